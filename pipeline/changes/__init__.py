@@ -7,6 +7,6 @@
   names.
 - pairs: Pairs the rows of two robots: by name, or by CAD if a row was renamed.
 - read: Reads the robot.json of an output folder, of a file, or of a revision in git.
-- show: Shows the differences of two robots as text, as a document, and as Markdown for a pull request.
+- show: Shows the differences of two robots as text, as a JSON document, and as Markdown for a pull request.
 - values: Compares values of robot.json, and describes their difference in words.
 """

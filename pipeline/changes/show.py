@@ -1,4 +1,4 @@
-"""Shows the differences of two robots as text, as a document, and as Markdown for a pull request."""
+"""Shows the differences of two robots as text, as a JSON document, and as Markdown for a pull request."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -36,12 +36,13 @@ def as_text(before: Described, after: Described, changes: Sequence[Change]) -> s
             indent = "  " + label
             for change in in_row:
                 lines.append(indent + change_text(change))
+                # The first line of a row has its label; the others are indented below it.
                 indent = "  " + " " * len(label)
     return "\n".join([*lines, count(len(changes), "difference")])
 
 
 def as_document(before: Described, after: Described, changes: Sequence[Change]) -> DiffDocument:
-    """Returns the document of the differences, with the values of robot.json."""
+    """Returns the JSON document of the differences, with values as in robot.json."""
     documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
     robots = _compared(before), _compared(after)
     return DiffDocument(UNMET if changes else BUILT, *robots, alike=not changes, changes=documents)

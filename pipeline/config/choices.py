@@ -19,7 +19,7 @@ UNSET = "???"
 class Choices:
     """The options and keys that led to a composed tree.
 
-    A choice or key of an experiment counts like one of the command line.
+    Choices and keys of an experiment count as if they were typed on the command line.
     """
 
     robot: str
@@ -32,7 +32,7 @@ class Choices:
     keys: frozenset[str] = frozenset()
     """The full keys that the command line set."""
     explicit_groups: frozenset[str] = frozenset()
-    """The groups in `multiple_choices` whose options the command line chose."""
+    """The groups in `multiple_choices` for which the command line chose options."""
 
     def sets(self, key: str) -> bool:
         """Tells whether the command line set this key or a mapping that contains it."""
@@ -48,8 +48,8 @@ def resolve_choices(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]
 
     - An option chosen on the command line overrides the values of the robot's file.
     - If the command line chooses the source, keys of other kinds of source are dropped.
-    - Of the known formats, only those chosen stay. A target is also chosen by having keys, but if the
-      command line chooses targets, keys in the robot's file do not count.
+    - Of the known formats, only the chosen formats stay. Keys of a target choose it too, but if the command
+      line chooses targets, keys in the robot's file do not.
     - A robot without a name gets a default name; the robot of an experiment is `<robot>_<experiment>`, unless
       the experiment or the command line gives a name.
     """

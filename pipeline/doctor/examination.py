@@ -1,4 +1,5 @@
-"""Holds the result of an examination, and writes results as text or as a document."""
+"""Defines the result of examining one thing that builds need, and formats results as text or as a JSON
+document."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from linkwright.pipeline.json_documents.doctor import DoctorDocument, ExaminedDo
 from linkwright.pipeline.reference.exit_status import BUILT, FAILED
 
 State = Literal["ok", "note", "wrong"]
-"""ok: it works; note: something optional is missing, or was not tried; wrong: builds fail until it is
+"""ok: it works; note: it is optional and missing, or was not tried; wrong: builds fail until it is
 repaired."""
 
 _SUBJECT_WIDTH = 14
@@ -17,7 +18,7 @@ _SUBJECT_WIDTH = 14
 
 @dataclass(frozen=True, slots=True)
 class Examination:
-    """The result of an examination."""
+    """The result of examining one thing that builds need."""
 
     subject: str
     state: State
@@ -25,7 +26,7 @@ class Examination:
     """The finding."""
 
     hint: str = ""
-    """The remedy; "" if nothing is to be done."""
+    """The remedy; "" if nothing needs to be done."""
 
 
 def as_text(rows: Sequence[Examination]) -> str:
@@ -41,7 +42,7 @@ def as_text(rows: Sequence[Examination]) -> str:
 
 
 def as_document(rows: Sequence[Examination]) -> DoctorDocument:
-    """Returns the document of the results."""
+    """Returns the results as a JSON document; its status is that of a failed build if anything is wrong."""
     works = all(row.state != "wrong" for row in rows)
     examined = tuple(ExaminedDocument(row.subject, row.state, row.detail, row.hint) for row in rows)
     return DoctorDocument(BUILT if works else FAILED, works, examined)

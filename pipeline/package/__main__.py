@@ -4,6 +4,7 @@ import sys
 
 from . import own_path
 
+# Before any other import, which could load a file of the working folder.
 own_path.leave_out_working_folder()
 
 

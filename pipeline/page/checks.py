@@ -34,7 +34,8 @@ def checks(results: Sequence[Mapping[str, Any]]) -> str:
 
 
 def tally(results: Sequence[Mapping[str, Any]], noun: str = "") -> str:
-    """Returns a text with the numbers of checks that passed, failed and warn; `noun`: the thing counted."""
+    """Returns how many checks passed, failed and warn, as a text. `noun`: what is counted, with a space in
+    front, such as " checks"."""
     words = [outcome(check) for check in results]
     passed = f"{words.count('passed')} of {len(results)}{noun} passed"
     warn = words.count("warning")

@@ -10,8 +10,8 @@ from linkwright.stages.robot.text.plural import count
 
 
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
-    """Renders the section: a row for each pair, with the reason, and with the colliders concerned unless all
-    are. Pairs with a joint between them are folded."""
+    """Renders a table of the excluded pairs, with reason, depth and colliders. Pairs with a joint between
+    them are in a second table, which is folded."""
     if not excludes:
         return ""
     adjacent = [row for row in excludes if str(row["reason"]) == "Adjacent"]
@@ -30,5 +30,6 @@ def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
 
 
 def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:
-    """Returns the colliders of both links that do not collide; None for all of them."""
+    """Returns the text of the excluded colliders of both links. `colliders`: the names of each link's
+    colliders; None for all."""
     return "all" if colliders is None else " against ".join(map(listed, colliders))

@@ -26,14 +26,20 @@ _KINDS = ("done", "running", "failed", STALE, "missing")
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """The parsed arguments: the list, the other arguments, the share, and whether to show only errors, and to
-    return a document."""
+    """The parsed arguments."""
 
     path: Path
+    """The list of jobs."""
+
     rest: list[str]
+    """The arguments besides the list, the share and the common options."""
+
     share: Share | None
     is_quiet: bool
+    """Whether to show only errors."""
+
     json: bool
+    """Whether to return a JSON document."""
 
     def answer(
         self,
@@ -42,15 +48,16 @@ class _Request:
         outcomes: Sequence[Outcome] = (),
         failures: Sequence[str] = (),
     ) -> int | CommandDocument:
-        """Returns the exit status, or with `--json` the document."""
+        """Returns the exit status, or, with `--json`, the document that contains it."""
         if not self.json:
             return status
         return jobs_document(self.path, jobs.folder, len(jobs.jobs), outcomes, status, failures)
 
 
 def jobs(arguments: Sequence[str]) -> int | CommandDocument:
-    """Tells the states of the jobs of a list, or with `--fetch` fetches their sources; returns the exit
-    status, or with `--json` a document. Raises ConfigError for wrong usage or a file that is no list."""
+    """Shows the states of the jobs of a list, or with `--fetch` fetches their sources; returns the exit
+    status, or with `--json` a document. Raises ConfigError for wrong usage or a file that is not a list of
+    jobs."""
     request = _parsed("jobs", arguments, ("--fetch",))
     rest = request.rest
     if any(argument != "--fetch" for argument in rest) or (rest and request.share):
@@ -60,7 +67,7 @@ def jobs(arguments: Sequence[str]) -> int | CommandDocument:
 
 def job(arguments: Sequence[str]) -> int | CommandDocument:
     """Runs a job of a list, or a share of its jobs; returns the exit status, or with `--json` a document.
-    Raises ConfigError for wrong usage, and for a file that is no list."""
+    Raises ConfigError for wrong usage, and for a file that is not a list of jobs."""
     request = _parsed("job", arguments, ())
     path, rest, share = request.path, request.rest, request.share
     if len(rest) != (0 if share else 1):
@@ -105,6 +112,7 @@ def _parsed(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Req
 
 
 def _fetch(request: _Request) -> int | CommandDocument:
+    """Fetches the sources of all jobs, and writes the list with the states that were fetched."""
     path, failed = request.path, list[str]()
     with listed_jobs.opened(path) as job_list_:
         if job_list_.sources:
@@ -121,8 +129,10 @@ def _fetch(request: _Request) -> int | CommandDocument:
 
 
 def _tell(request: _Request) -> int | CommandDocument:
+    """Shows a table of the jobs and their number by kind, and writes the summary of the sweep."""
     with listed_jobs.opened(request.path) as job_list_:
         outcomes = listed_jobs.outcomes(job_list_.share(request.share))
+        # The summary is of all jobs, so a share writes none.
         if request.share is None:
             listed_jobs.summarise(job_list_, outcomes)
         status = sweep_status(outcomes)
@@ -136,6 +146,7 @@ def _tell(request: _Request) -> int | CommandDocument:
 
 
 def _kind(outcome: Outcome) -> str:
+    """Returns the kind of a job: built and unmet jobs are done."""
     if outcome.message == STALE:
         return STALE
     return "done" if outcome.state in ("built", "unmet") else outcome.state

@@ -13,7 +13,7 @@ of all.
 - explain: Explains a key or the code of a message.
 - job: Runs a job of a list, or a share of them.
 - jobs: Shows the outcome of the jobs of a list; fetches their sources.
-- launcher_lines: Describes the launchers of sweeps and their keys in lines of text.
+- launcher_lines: Describes the launchers of sweeps, and their keys, for `linkwright explain`.
 - motor_lines: Describes a motor and its values in lines of text.
 - new: Writes the file of a new robot.
 - skill: Prints the instructions for agents that use Linkwright.

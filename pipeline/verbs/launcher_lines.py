@@ -1,4 +1,4 @@
-"""Describes the launchers of sweeps and their keys in lines of text."""
+"""Describes the launchers of sweeps, and their keys, for `linkwright explain`."""
 
 import re
 from collections.abc import Iterator
@@ -8,9 +8,10 @@ from typing import NamedTuple
 import linkwright.conf
 
 FOLDER = Path(linkwright.conf.__file__).parent / "hydra" / "launcher"
+"""The folder with a file for each launcher."""
 
 KEY = re.compile(r"hydra[./]launcher([.=][\w.]+)?")
-"""Matches a launcher, or one of its keys, as a user may type it."""
+"""Matches the group of launchers, a launcher, or a key of a launcher, as a user may type it."""
 
 
 class LauncherLines(NamedTuple):
@@ -37,17 +38,23 @@ def launcher_lines(name: str) -> list[LauncherLines]:
 
 
 def _matching_lines(lines: tuple[str, ...], key: str) -> Iterator[str]:
+    """Yields the lines about this key; all lines if `key` names no key below `hydra.launcher`."""
     return (line for line in lines if not key.rstrip(".").count(".") > 1 or line.split("=")[0] == key)
 
 
 def _read(path: Path) -> LauncherLines:
+    """Reads the file of a launcher as lines, not as YAML, since its comments describe the launcher and its
+    keys."""
     comments, keys, parents = [], [], [""]
+    # The first line is Hydra's `# @package`.
     for line in path.read_text(encoding="utf-8").splitlines()[1:]:
         if line.startswith("# "):
             comments.append(line[2:])
+        # (indentation)(key):( value)( # meaning)
         match = re.fullmatch(r"( *)([a-z]\w*):(?: ([^#]*?))?(?: *# (.*))?", line)
         if match is None or match[2] == "defaults":
             continue
+        # Two spaces for each level; `parents[0]` stands for `hydra.launcher`.
         depth = len(match[1]) // 2
         parents = [*parents[: depth + 1], match[2]]
         if match[3] is not None:

@@ -28,6 +28,7 @@ the viewer runs in MuJoCo's `mjpython`.
 SCENE = "scene.xml"
 _USAGE = "linkwright view NAME; linkwright view --help shows more"
 _ON_MAC = "import sys; from linkwright.stages.mujoco.viewer import show; show(sys.argv[1])"
+"""The code that `mjpython` runs; its argument is the path of the scene."""
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, system: str = sys.platform) -> int:
@@ -50,7 +51,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
         raise OutputError("there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", page)
     if system == "darwin":
         return _by_mjpython(scene, page)
-    # Late: it imports MuJoCo, and wrong usage is told at once.
+    # Imported late, since it loads MuJoCo, and wrong usage is reported at once.
     from linkwright.stages.mujoco.viewer import NoViewer, NoWindow, show
 
     try:
@@ -64,7 +65,8 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
 
 
 def _by_mjpython(scene: Path, otherwise: str) -> int:
-    """Shows the scene on a Mac, whose windows need the main thread: `mjpython` draws them there."""
+    """Shows the scene on a Mac, where windows must be drawn in the main thread, as `mjpython` does.
+    `otherwise`: a hint at what to do without it."""
     mjpython = Path(sys.executable).with_name("mjpython")
     interpreter = str(mjpython) if mjpython.exists() else program("mjpython")
     if interpreter is None:

@@ -1,4 +1,4 @@
-"""Provides the common base of the sources that are a robot's own file with its meshes (URDF, MJCF)."""
+"""Defines the base class of sources that are a robot file with its meshes (URDF, MJCF)."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
 
 MESH = "mesh/"
-"""Prefix of the requests for meshes in a bundle."""
+"""Prefix of requests for meshes in a bundle."""
 
 IMAGE = "image/"
-"""Prefix of the requests for the images of meshes in a bundle."""
+"""Prefix of requests for images of meshes in a bundle."""
 
 LARGEST_TEXT = 64 << 20
-"""Largest size of a robot's text or model in a bundle [bytes]."""
+"""Largest size [bytes] of a robot file or model in a bundle."""
 
 LARGEST_TRIANGLES = 1 << 30
-"""Largest size of the triangles of a mesh in a bundle [bytes]."""
+"""Largest size [bytes] of the triangles of a mesh in a bundle."""
 
 
 class RobotFileSource(FileSource):
@@ -34,8 +34,8 @@ class RobotFileSource(FileSource):
 
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
-        """Returns the bundle of a recorded robot file. Raises SourceError if a mesh or an image is not
-        readable."""
+        """Returns the bundle of a recorded robot file. Raises SourceError if a mesh or an image is invalid,
+        or an image is missing."""
         meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
         recorded_images = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
         try:

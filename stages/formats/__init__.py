@@ -12,8 +12,7 @@
 - own_xml: Recognizes XML that a user adds: its language, and the named elements of an MJCF or URDF.
 - png: Checks that readers accept a PNG image, and writes pixels as PNG.
 - templates: Fills templates, and is the only module that imports jinja2.
-- triangles: Reads the header of the compact form of a part studio's triangles; an unchanged build reads
-  nothing else of it.
+- triangles: Reads the header of a part studio's triangles in the compact form.
 - variants: `variants.npz`: randomized variants of a robot, as arrays of values for fields of MuJoCo's model.
 - written: Holds the robot as its files have it: writers write it, and checks compare files with it.
 - xml: Parses and writes XML, with entities and the network off: no other module does.

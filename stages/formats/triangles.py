@@ -1,8 +1,9 @@
-"""Reads the header of the compact form of a part studio's triangles; an unchanged build reads nothing else of
-it.
+"""Reads the header of a part studio's triangles in the compact form.
 
-The same bodies always give the same bytes, and no digit is lost. The form begins with a line that names it
-and its version. The length of the header (unsigned, 4 bytes) and the header (JSON) follow, then for each body
+An unchanged build reads only this header.
+
+The form is lossless, and equal bodies give equal bytes. It begins with a line that names the form and its
+version. The length of the header (unsigned, 4 bytes) and the header (JSON) follow, then for each body
 
     points     n × 3 float64 [m], in the part studio's frame
     triangles  m × 3 int32, indices into the points, counter-clockwise seen from outside

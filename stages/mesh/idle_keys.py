@@ -12,19 +12,20 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSections
 
 MAKER_KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
-"""Keys that only some collider makers read. The ladder reads them only with a tolerance, or for a part that
-mesh.colliders names."""
+"""Keys that only some collider makers read. The maker `ladder` reads them only if a tolerance is set, or for
+a part that mesh.colliders names."""
 
 
 def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:
-    """Yields I-IDLE-KEY for each key that is set although nothing reads it. `makers`: the makers of all
-    colliders, and of the colliders that other parts would get; `source`: the kind of source."""
+    """Yields I-IDLE-KEY for each key that is set although nothing reads it. `makers`: the default maker and
+    the makers that are chosen for parts; `source`: the kind of source."""
     section, default = sections.mesh, type(sections.mesh)()
     for key in ("basis", *MAKER_KEYS):
         if getattr(section, key) == getattr(default, key):
             continue
         if key in MAKER_KEYS and not any(_maker_reads(maker, key) for maker in makers):
             readers = [name for name, maker in COLLIDERS.items() if _maker_reads(maker, key)]
+            # `COLLIDERS` does not list BY_CONTACT, the ladder without a tolerance.
             reader_names = " or ".join(readers) or "ladder without a tolerance"
             text = f"no collider is made by {reader_names}, so this key has no effect"
             yield Diagnostic("I-IDLE-KEY", text, f"mesh.{key}", "remove it, or choose such a collider")
@@ -40,4 +41,5 @@ def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) 
 
 
 def _maker_reads(maker: Maker, key: str) -> bool:
+    """Tells whether a maker reads a key. `fine` is not a field of its settings: only BY_CONTACT reads it."""
     return maker is BY_CONTACT if key == "fine" else key in {field.name for field in fields(maker.settings)}

@@ -15,8 +15,8 @@
 - sensors: Converts sensors of a compiled model back to MJCF.
 - state: Returns the state of a model at one of its keyframes.
 - trial: Simulates a robot's MuJoCo model in a trial run, which tells whether it stays stable and finite.
-- urdf: Prepares a URDF for MuJoCo, which reads meshes by their paths, and floating joints only below the
-  world.
+- urdf: Prepares a URDF for MuJoCo, which does not resolve `package://` and accepts floating joints only below
+  the world.
 - variants: Sets the fields of a variant in a compiled model, from which MuJoCo derives the other fields.
 - viewer: Opens MuJoCo's own viewer, with a scene at its keyframe `home`.
 - warnings: Collects MuJoCo's warnings, which otherwise go to a log file in the working folder.

@@ -57,6 +57,7 @@ def _name_attribute(model: Any, kind: Any, index: int) -> Attributes:
 def camera(model: Any, index: int) -> MjcfElement:
     """Returns a camera as an MJCF element, without its pose."""
     rows = attributes(model, CAMERA, index)
+    # A camera with a sensor has its field of view from the sensor and the focal length.
     if model.cam_sensorsize[index].any():
         lens = [float(number) for number in model.cam_intrinsic[index]]
         rows = tuple(row for row in rows if row[0] not in ("fovy", "sensorsize"))
@@ -147,6 +148,8 @@ def tendon(model: Any, index: int) -> MjcfElement:
 
 
 def _wrap(model: Any, index: int) -> MjcfElement:
+    """Returns a step of a tendon's path. Its value `wrap_prm` is the coefficient of a joint, the divisor of a
+    pulley, or the side site of a geom."""
     kind, target, value = (getattr(model, f"wrap_{name}")[index] for name in ("type", "objid", "prm"))
     if kind == mujoco.mjtWrap.mjWRAP_JOINT:
         names = (reference(model, "joint", OBJ.mjOBJ_JOINT, target),)
@@ -172,6 +175,7 @@ _BY_TRANSMISSION = {
 
 
 _TYPES = ("dyntype", "gaintype", "biastype")
+"""Attributes of an actuator's types, which are always written."""
 
 
 def actuator(model: Any, index: int) -> MjcfElement | None:
@@ -239,7 +243,6 @@ def equality(model: Any, index: int) -> MjcfElement | None:
     ends = [int(number) for number in (model.eq_obj1id[index], model.eq_obj2id[index])]
     data = [float(number) for number in model.eq_data[index]]
     rows: list[tuple[str, str]] = []
-    # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
     if kind in (mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtEq.mjEQ_TENDON):
         tag = kind.name.removeprefix("mjEQ_").lower()
         target_kind = OBJ.mjOBJ_JOINT if tag == "joint" else OBJ.mjOBJ_TENDON
@@ -247,6 +250,7 @@ def equality(model: Any, index: int) -> MjcfElement | None:
     elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
         by_sites = int(model.eq_objtype[index]) == OBJ.mjOBJ_SITE
         tag, target_kind = ("site", OBJ.mjOBJ_SITE) if by_sites else ("body", OBJ.mjOBJ_BODY)
+        # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
         if kind == mujoco.mjtEq.mjEQ_WELD:
             rows.append(("torquescale", exact(data[10:11])))
             rows += [] if by_sites else [("anchor", exact(data[:3])), ("relpose", exact(_relpose(data)))]

@@ -1,4 +1,5 @@
-"""Prepares a URDF for MuJoCo, which reads meshes by their paths, and floating joints only below the world."""
+"""Prepares a URDF for MuJoCo, which does not resolve `package://` and accepts floating joints only below the
+world."""
 
 from collections.abc import Callable
 
@@ -13,13 +14,14 @@ def remove_package_prefixes(root: Element) -> None:
 
 
 def move_floating_joints_to_world(root: Element) -> bool:
-    """Adds a link `world` above the root, and moves the floating joints to it, where MuJoCo accepts them. The
-    robot stays the same, since the root is at rest. Returns whether there was a floating joint elsewhere."""
+    """Adds a link `world` above the root, and makes it the parent of the floating joints, as MuJoCo requires.
+    The robot stays the same, since the root does not move. Returns whether a joint was moved."""
     floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
     if not floating:
         return False
     world_joint = element(root, "joint", name="world_fixed", type="fixed")
     element(world_joint, "parent", link="world")
+    # The parent of the floating joints is taken for the root.
     element(world_joint, "child", link=floating[0].get("link"))
     element(root, "link", name="world")
     for parent in floating:
@@ -28,8 +30,8 @@ def move_floating_joints_to_world(root: Element) -> bool:
 
 
 def keep_all_links(root: Element, path_of: Callable[[str], str | None], *, visuals: bool = True) -> None:
-    """Makes MuJoCo keep all links, and fixes floating joints, which URDFs of other tools may have below any
-    link.
+    """Makes MuJoCo keep all links, and turns floating joints into fixed joints: in URDFs of other tools they
+    may be below any link, which MuJoCo refuses.
 
     `path_of`: returns the path of a mesh for its name in the URDF, or None to drop the mesh; `visuals`:
     whether purely visual shapes are kept.

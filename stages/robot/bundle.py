@@ -9,7 +9,7 @@ from linkwright.stages.robot.errors import ProtocolError
 
 @dataclass(frozen=True, slots=True, order=True)
 class StudioKey:
-    """A part studio in a configuration, pinned.
+    """A part studio or an assembly in a configuration, pinned.
 
     `pin` is `v/<version>` if the document is linked by version, else `m/<microversion>`.
     """
@@ -44,6 +44,8 @@ class Features:
     """The replies about the limits of an assembly's mates, by digest, if the definition lacks them."""
 
     key: StudioKey
+    """The assembly."""
+
     features: str
     """The assembly's list of features."""
     variables: str | None = None
@@ -58,7 +60,7 @@ class Bundle:
     root: Mapping[str, str]
     """The robot: `document`, `microversion`, `element`, `configuration`."""
     definition: str
-    """Digest of the assembly definition, or of a robot's own text or model."""
+    """Digest of the assembly definition, or of a robot's own file or model."""
     requests: Mapping[str, str]
     """Name of each reply or file → SHA-256 of its body."""
     blobs: Mapping[str, bytes]

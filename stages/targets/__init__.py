@@ -6,9 +6,9 @@
   readers.
 - options: Replaces options and actuators that targets do not accept by others that move the robot in the same
   way.
-- readers: Lists what other readers take from our files, and what they do with the rest, in one table.
+- readers: Lists, in one table, what other programs read of our files, and what they do with the rest.
 - row: Defines a row of the table of readers.
 - section: Configuration of the targets: the engines whose limits the files keep.
-- things: Names the things of a robot that readers drop.
+- things: Finds the things in a robot that some readers drop, by the table of readers.
 - versions: Lists the elements and attributes of MJCF that a version of MuJoCo added or removed.
 """

@@ -1,8 +1,8 @@
-"""Lists what other readers take from our files, and what they do with the rest, in one table.
+"""Lists, in one table, what other programs read of our files, and what they do with the rest.
 
-A row is what one version of a reader does with one thing of a format, and how a build for that reader (a
-`target`) responds. The table is the source of what a build for a target checks and refuses, of the report of
-a build, and of the page `pipeline/reference/formats/READERS.md`.
+A row says what one version of a reader does with one kind of thing in a format, and how a build for that
+reader (a `target`) responds. The table is the source of what a build for a target checks and refuses, of the
+report of a build, and of the page `pipeline/reference/formats/READERS.md`.
 """
 
 from collections.abc import Iterator
@@ -12,11 +12,14 @@ from linkwright.stages.targets.mujoco_readers import MUJOCO_READERS, POSITION_FO
 from linkwright.stages.targets.row import ReaderRow, rows
 
 _DAY, _TODAY = "2026-11-23", "2026-11-27"
+"""Days of the measurements."""
+
 MUJOCO = "MuJoCo"
 _ISAAC = "https://github.com/isaac-sim/IsaacSim/issues/841"
 _ISAAC_URDF = "https://wiki.ros.org/urdf/XML/model"
 _ROS = "https://docs.ros.org/en/jazzy/p/sdformat_urdf"
 _OBJ = "refuses the file: a build for it writes meshes as OBJ"
+"""What a reader without STL does with a mesh in STL."""
 
 READERS: tuple[ReaderRow, ...] = (
     *rows(
@@ -228,17 +231,18 @@ COMPLETE_READERS: tuple[tuple[str, str, str], ...] = (
     ("Pinocchio", "4.1.0", "urdf"),
 )
 """(reader, version, format): readers that keep limits, effort, velocity, damping, friction and mimic, as
-measured. Pinocchio reads mimic only if it is told to."""
+measured. Pinocchio reads mimic only with mimic=True."""
 
 
 def rows_of(target: str, form: str, version: str | None = None) -> Iterator[ReaderRow]:
-    """Yields the rows of a target's readers for a format. For an engine whose models MuJoCo compiles, these
-    are the rows for the format itself and for an MJCF, and MuJoCo's own for the format. `version`: of MuJoCo;
-    None for the engine's own."""
+    """Yields the rows of a target's readers for a format. If MuJoCo compiles the engine's models, these are
+    the engine's rows for the format and for MJCF, then MuJoCo's rows for the format about other things.
+    `version`: the version of MuJoCo; None for the engine's own."""
     engine = ENGINES[target]
     if engine.mujoco is None:
         yield from (row for row in READERS if row.reader in engine.readers and row.format == form)
         return
+    # Such an engine sees any format as the MJCF that MuJoCo compiles from it.
     models = [
         row
         for row in READERS

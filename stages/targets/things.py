@@ -1,4 +1,4 @@
-"""Names the things of a robot that readers drop."""
+"""Finds the things in a robot that some readers drop, by the table of readers."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from types import MappingProxyType
@@ -20,9 +20,9 @@ def dropped_things(
     formats: Sequence[str],
     targets: Mapping[str, str | None] = MappingProxyType({}),
 ) -> list[dict[str, Any]]:
-    """Returns the rows of the table that concern this robot in these formats, each with the names of the
-    things that it has. A row of one of the `targets` (name → version of MuJoCo) also has how the build
-    responds."""
+    """Returns the rows of the table of readers about things that this robot has, in these formats. Each lists
+    the names of these things (`of`). A row about one of the `targets` (name → version of MuJoCo) also says
+    how the build responds (`target`)."""
     names = _names(robot, geometry)
     targeted = {
         row
@@ -47,15 +47,18 @@ def dropped_things(
 
 
 def of_robot(row: ReaderRow, robot: "Robot", geometry: "Geometry") -> list[str]:
-    """Returns the names of a robot's things that a row concerns; none if only the files tell."""
+    """Returns the names of the things that a row concerns in a robot; an empty list for things that are found
+    only in files."""
     return _names(robot, geometry).get(row.thing, [])
 
 
 def _names(robot: "Robot", geometry: "Geometry") -> dict[Thing, list[str]]:
+    """Returns, for each thing in `_FINDERS`, the names of such things in a robot."""
     return {thing: [*find(robot, geometry)] for thing, find in _FINDERS.items()}
 
 
 def _dofs(test: "Callable[[Dof], object]") -> "Callable[[Robot, Geometry], Iterator[str]]":
+    """Returns a function that finds the dofs that pass a test."""
     return lambda robot, _: (dof.name for dof in robot.dofs if test(dof))
 
 
@@ -75,6 +78,7 @@ _FINDERS: Mapping[Thing, "Callable[[Robot, Geometry], Iterator[str]]"] = {
     "cones": _dofs(lambda dof: dof.kind == "ball" and dof.limits.upper is not None),
     "damping": _dofs(lambda dof: dof.dynamics.damping),
     "effort": _dofs(lambda dof: dof.dynamics.effort),
+    # The joints that move are what such a reader loses.
     "everything": lambda robot, _: (joint.name for joint in robot.joints if joint.dofs),
     "fixed base": lambda robot, _: iter([robot.root.name] * robot.base.fixed),
     "frames": lambda robot, _: (frame.name for frame in robot.frames),
@@ -95,4 +99,4 @@ _FINDERS: Mapping[Thing, "Callable[[Robot, Geometry], Iterator[str]]"] = {
 files."""
 
 THINGS_OF_ROBOTS: Set[Thing] = _FINDERS.keys()
-"""The things whose names the report of a build has."""
+"""The things that are found in a robot: the report of a build lists their names."""

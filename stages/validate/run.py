@@ -46,11 +46,12 @@ def check_files(
     options: CheckOptions = DEFAULT_OPTIONS,
 ) -> Iterator[Check]:
     """Yields the results of every file in `folder` that an engine reads; without `checks`, only whether each
-    file compiles. `user_checks`: the user's own checks, which run for the first file only."""
+    file compiles. `user_checks`: the user's own checks, which run only for the first file."""
     for engine in ENGINES:
         files = engine.files(written.robot.name)
         for file in files:
             if (folder / file).exists():
+                # The engine loads the model only while the file's checks run: see `_check_file`.
                 uncompiled = CompiledModel(folder / file, None, written, options)
                 file_checks = [check for check in checks if kinds_of(uncompiled.path) & {*check.files}]
                 results = _check_file(uncompiled, engine, file_checks, user_checks)

@@ -1,7 +1,7 @@
-"""Finds keys that a YAML file must not set, because they would run code: files are data.
+"""Finds keys that a YAML file sets but must not set, because they could run code: files are data.
 
-The check compares the composed tree, after all files, packages and interpolations, with the tree of the
-command line alone (`trusted_tree`).
+The check compares the composed tree, which includes all files, packages and interpolations, with the tree
+that the command line alone composes (`trusted_tree`).
 """
 
 import json
@@ -44,10 +44,13 @@ LAUNCHER = "launcher"
 SWEEPER = "sweeper"
 
 PARAMS = "sweeper.params"
+"""The key of a sweep's overrides, below `hydra`."""
+
 FOLDERS = ("sweep.dir", "sweep.subdir")
+"""The keys of a sweep's folders, below `hydra`."""
 
 BASIC = "basic"
-"""Name of Hydra's own launcher, and of its own sweeper: they run one job after the other, for each
+"""Name of Hydra's own launcher, and of its own sweeper: they run the jobs one after the other, one for each
 combination of the listed values."""
 
 SEARCH = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
@@ -145,7 +148,8 @@ def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tup
 
 
 def _is_harmless(place: Place, value: Any, trusted_value: Any) -> bool:
-    """Tells whether a setting is a number of a launcher, or a text that is safe in a shell."""
+    """Tells whether a file may set this key of the launcher: to a number where the command line's tree has a
+    number or null, or to an allowed text that is safe in a shell."""
     if (
         place[0] != LAUNCHER
         or trusted_value is _ABSENT
@@ -159,7 +163,7 @@ def _is_harmless(place: Place, value: Any, trusted_value: Any) -> bool:
 
 
 def _is_search_setting(key: str, value: Any) -> bool:
-    """Tells whether a file may make this setting of a search."""
+    """Tells whether this is a key of a search that a file may set to this value."""
     if key == "sweeper.direction":
         return all(word in _DIRECTIONS for word in (value if _is_list(value) else [value]))
     return key in SEARCH and _is_number(value)
@@ -179,15 +183,15 @@ def _launcher_hint(place: Place, value: Any, trusted_value: Any, command: Sequen
 
 
 def not_allowed(key: str, value: Any = None, hint: str = "") -> Diagnostic:
-    """Returns the problem of a key of `hydra` that a file may not set."""
+    """Returns the problem with a key of `hydra` that a file must not set."""
     suffix = "" if value is None else f" (given {shown(value)})"
     hint = hint or f"remove it: {ALLOWED}"
     return Diagnostic(CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
 
 
 def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
-    """Yields a problem for each group of Hydra that the defaults list of a file overrides, even without
-    effect. The launcher and the sweeper are allowed."""
+    """Yields a problem for each group of Hydra that the defaults list of a file overrides, even if the
+    override has no effect. The launcher and the sweeper are allowed."""
     for content in contents:
         defaults = content.get("defaults")
         if not isinstance(defaults, list):

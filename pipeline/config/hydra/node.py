@@ -31,10 +31,7 @@ RAY = "ray"
 
 
 class HydraNode:
-    """Hydra's own configuration (the node `hydra`) in the trees that a session composes.
-
-    `typed_overrides`: the overrides of Hydra's own keys on the command line.
-    """
+    """Hydra's own configuration (the node `hydra`) in the trees that a session composes."""
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
@@ -44,10 +41,11 @@ class HydraNode:
         self._trusted_nodes: dict[tuple[str, str], dict[str, Any]] = {}
         """(launcher, sweeper) → the node `hydra` of that configuration, with its interpolations."""
         self.typed_overrides: list[str] = []
+        """The overrides of Hydra's own keys on the command line."""
 
     def set_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Sets the overrides of Hydra's own keys from a `command`, and returns their problems. If there are
-        problems, no override is set."""
+        """Stores the overrides of Hydra's own keys, unless they have problems, which it returns. `command`:
+        the typed command, for hints."""
         self._command = list(command)
         self.typed_overrides = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed_overrides:
@@ -55,6 +53,7 @@ class HydraNode:
         try:
             # Composing shows whether the overrides are valid.
             self.trusted_config()
+        # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
             self.typed_overrides = []
             launchers = [override.values[0] for override in overrides if override.key == LAUNCHERS]
@@ -64,12 +63,13 @@ class HydraNode:
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
         """Returns the keys of Hydra, among these, that the command line sets."""
+        # A prefix (`+`, `++`) may come before the key.
         return {key for key in keys if any(f"{key}=" in override for override in self.typed_overrides)}
 
     def trusted_config(self, launcher: str = "", sweeper: str = "") -> DictConfig:
-        """Returns Hydra's configuration as composed from the command line alone, without the robot's file;
-        sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper. Options that
-        the user wrote are found only in `--config-dir`."""
+        """Returns Hydra's configuration as the command line alone composes it, without the robot's file.
+        Sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper; the user's
+        own options are found only in folders given by `--config-dir`."""
         if (launcher, sweeper) not in self._trusted_configs:
             chosen = {LAUNCHERS: launcher, SWEEPERS: sweeper}
             options = [f"{group}={option}" for group, option in chosen.items() if option]
@@ -105,11 +105,12 @@ class HydraNode:
         )
 
     def _set_by_files(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
-        """Returns Hydra's settings that files make and may make, and adds a problem for each that they must
-        not make. `options`: the launcher and the sweeper."""
+        """Returns the settings of Hydra that files set and may set, and adds a problem for each setting that
+        they must not set. `options`: the launcher and the sweeper."""
         try:
             if options not in self._trusted_nodes:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
+        # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
             draft.add(self._launcher_problem(options[0]) or explained(error, self._presets))
             return {}
@@ -122,6 +123,7 @@ class HydraNode:
             lambda place: at(config, ("hydra", *place), draft.problems),
             self._command,
         )
+        # A key that could not be resolved has a problem already.
         places = {problem.where for problem in draft.problems}
         draft.problems += [problem for problem in problems if problem.where not in places]
         return changed

@@ -31,12 +31,12 @@ MAX_DRIFT = {"turn": 0.1, "slide": 0.01}
 """Speed [rad/s, m/s] at which the weight may move a velocity servo whose target is zero."""
 
 MAX_FREQUENCY_STEP = 0.4
-"""Largest natural frequency of a servo on its armature alone, times the time step."""
+"""Largest phase ω h [rad] of a time step h, with the natural frequency ω of a servo on its armature alone."""
 
 COUPLED_FREQUENCY_STEP = 0.2
-"""`MAX_FREQUENCY_STEP` of a servo whose dof moves others, by a loop or a relation. It is smaller, since
-MuJoCo's implicit integrators damp the speeds after they have solved the constraints: a servo that is fast for
-the time step leaves its followers behind."""
+"""Replaces `MAX_FREQUENCY_STEP` for a servo whose dof moves other dofs, by a loop or a relation. It is
+smaller, since MuJoCo's implicit integrators damp the speeds after they have solved the constraints: a servo
+that is fast for the time step leaves its followers behind."""
 
 MAX_ARMATURE_SHARE = 1.0
 """Largest estimated armature, as a share of the inertia that the dof carries."""
@@ -45,7 +45,8 @@ MAX_ARMATURE_SHARE = 1.0
 def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
     """Returns the stiffness of a position servo [N m/rad or N/m] at the dof. `effort` [N m or N]: no servo
     can hold a load beyond it."""
-    # A leg that stands carries the whole robot, which only a very stiff servo would hold within `SAG`.
+    # A standing leg carries the whole robot. Only an unrealistically stiff servo would hold that within
+    # `SAG`, so more sag is accepted.
     sag = MIN_ERROR_AT_EFFORT if load.standing else SAG
     required = max(
         LOAD_MARGIN * _load_within(load, effort) / sag[kind], load.largest_inertia * MIN_FREQUENCY**2
@@ -93,7 +94,7 @@ def _load_within(load: Load, effort: float | None) -> float:
 
 
 def _frequency_step(coupled: bool) -> float:
-    """Returns the largest natural frequency of a servo on its armature alone, times the time step."""
+    """Returns the largest phase [rad] of a time step (see `MAX_FREQUENCY_STEP`)."""
     return COUPLED_FREQUENCY_STEP if coupled else MAX_FREQUENCY_STEP
 
 

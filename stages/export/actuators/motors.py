@@ -51,7 +51,7 @@ class MotorizedParameters:
     parameters: Mapping[str, Any]
 
     sources: tuple[tuple[str, str], ...] = ()
-    """(parameter, origin of its value) for those that the motor sets."""
+    """(parameter, origin of its value) for each parameter that the motor sets."""
 
     overridden: tuple[OverriddenValue, ...] = ()
     """The motor's values that the configuration overrides."""
@@ -88,7 +88,7 @@ class _ValueAtDof(NamedTuple):
 
     quantity: str
     value: float
-    """The value at the dof, behind the gear."""
+    """The value at the dof, after the gear."""
 
     source: str
     previous: float | None
@@ -108,8 +108,8 @@ class _ValueAtDof(NamedTuple):
 def _values_at_dof(dof: Dof, choice: ChosenActuator, motor: MotorSection) -> Iterator[_ValueAtDof]:
     """Yields the motor's value for each quantity of a dof that the motor has."""
     gear = abs(float(choice.parameters.get("gear", 1.0)))
-    # A motor that a glob assigns yields to any value of `joints`, a motor assigned by name only to the dof's
-    # own.
+    # A motor that a glob assigns yields to any value of `joints`; a motor assigned by name yields only to an
+    # entry with the dof's own name.
     overridden_quantities = dof.named if choice.motor_named else dof.given
     for quantity, value, source in _output_values(motor, choice.type):
         value_at_dof = value * gear ** GEAR_EXPONENTS[quantity]
@@ -166,8 +166,8 @@ def kinds_of(source: str) -> list[str]:
 
 
 def motorized_parameters(dof: str, choice: ChosenActuator, motors: Motors) -> MotorizedParameters:
-    """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only together
-    with its kp, and its constants only without a `nominal` that takes precedence."""
+    """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only if its kp
+    is; its torque constant and resistance only if no `nominal` takes precedence."""
     if not choice.motor:
         return MotorizedParameters(choice.parameters)
     values = motors[choice.motor].values
@@ -181,7 +181,7 @@ def motorized_parameters(dof: str, choice: ChosenActuator, motors: Motors) -> Mo
         motor_value = values[parameter.quantity]
         set_names = [name for name in (parameter.name, *parameter.alternatives) if name in user_set]
         if not set_names:
-            # An alternative from a glob gives way; one that the motor set itself stays.
+            # Alternatives that a glob gave are dropped; those that the motor set are kept.
             for name in set(parameter.alternatives) - sources.keys():
                 parameters.pop(name, None)
             parameters[parameter.name] = parameter.value
@@ -206,11 +206,12 @@ class _MotorParameter(NamedTuple):
 
 
 def _motor_parameters(kind: str, values: Mapping[str, MotorValue]) -> Iterator[_MotorParameter]:
-    """Yields the parameters of an actuator of this type, also those whose quantity the motor does not
-    have."""
+    """Yields the parameters that motors can set on an actuator of this type, even those whose quantity this
+    motor does not have."""
     numbers = {name: value.value for name, value in values.items()}
     if kind in SERVOS:
         yield _MotorParameter("kp", "kp", (), numbers.get("kp"))
+        # The motor's kv fits only the motor's kp, so a kp of the user excludes it.
         if "kp" in numbers:
             yield _MotorParameter("kv", "kv", ("dampratio", "kp"), numbers.get("kv"))
     elif kind == "dcmotor":
@@ -218,5 +219,6 @@ def _motor_parameters(kind: str, values: Mapping[str, MotorValue]) -> Iterator[_
             "torque_constant", "motorconst", ("nominal",), (numbers.get("torque_constant"),)
         )
         yield _MotorParameter("resistance", "resistance", ("nominal",), numbers.get("resistance"))
+        # A dcmotor is controlled by its voltage.
         volts = numbers.get("voltage", 0.0)
         yield _MotorParameter("voltage", "ctrlrange", (), (-volts, volts))

@@ -3,13 +3,13 @@
 both the older and the newer schema of PhysX.
 
     <robot>             Xform
-        <link>          rigid bodies, never nested: older importers of Isaac require that
+        <link>          rigid bodies, not nested, as older importers of Isaac require
             visuals     instances of the meshes' layer
             collisions  convex, with the purpose `guide`: not drawn by default
             <frame>     Xforms and cameras
         joints          in the order of the robot's joints, then of its loops
         materials
-        actuators       in MuJoCo's schema, where there are any
+        actuators       in MuJoCo's schema, if the robot has actuators
 """
 
 import math
@@ -43,10 +43,11 @@ from linkwright.stages.robot.model.sensing import Sensing, SensorCamera
 from linkwright.stages.robot.text.names import free
 
 _FROM_IMAGE = np.diag([1.0, -1.0, -1.0])
-"""camera_from_prim (3, 3): cameras of USD look along −z, with y up; the robot's along z, with y down."""
+"""camera_from_prim (3, 3): USD's cameras look along −z with y up; the robot's look along z with y down."""
 
 _CLIPPING_RANGE = (0.01, 100.0)
-"""The distances [m] between which cameras see: USD's own default would hide everything nearer than 1 m."""
+"""The nearest and the farthest distance [m] that cameras show. USD's default hides everything nearer than 1
+m."""
 
 FOCAL = 24.0
 """The focal length of cameras [tenths of the scene's unit], which sets the scale of the image's sides."""
@@ -54,7 +55,7 @@ FOCAL = 24.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdPlan:
-    """The names, joints, actuators and poses with which a robot is written as USD."""
+    """How a robot is written as USD: names, joints, actuators and poses."""
 
     names: UsdNames
     joints: tuple[UsdJoint, ...]
@@ -63,17 +64,17 @@ class UsdPlan:
     sensing: Sensing
 
     home: Configuration
-    """The values of all dofs in the pose in which the robot stands."""
+    """The values of all dofs in the pose in which the robot is written."""
 
     zeros: Configuration
     """The values of balls at which their joints in the USD are at zero."""
 
     world_from_root: Array
-    """The pose (4, 4) in which the robot stands."""
+    """The pose (4, 4) of the root link in the world."""
 
 
 def write_usd(robot: Robot, geometry: Geometry, plan: UsdPlan, meshes: UsdMeshes) -> Layer:
-    """Returns the robot's layer."""
+    """Builds the layer of a robot."""
     writer = _LayerWriter(robot, geometry, plan, meshes)
     writer.write()
     return writer.layer
@@ -178,8 +179,8 @@ class _LayerWriter:
         roots = [self.bodies[root_link]]
         if self.robot.base.fixed:
             base = joint_scope.child(names.base, "PhysicsFixedJoint")
-            # The robot's own prim is not a body, so USD takes it for the world, also if the robot is placed
-            # in a scene.
+            # The robot's own prim is not a body, so UsdPhysics treats it as the world, even if the robot is
+            # placed in a scene.
             base.point_to("physics:body0", self.layer.root)
             base.point_to("physics:body1", self.bodies[root_link])
             write_frames(base, self.poses[root_link], np.eye(4))
@@ -235,8 +236,8 @@ class _LayerWriter:
             write_facts(prims_by_dof[relation.follower], facts, prims_by_dof)
 
     def _write_filtered_pairs(self) -> None:
-        """Writes the pairs that must not collide. Bodies that a joint of the tree connects never collide and
-        are left out; for PhysX, bodies that a loop connects are listed."""
+        """Writes the pairs that must not collide. Bodies that a joint of the tree connects never collide, so
+        they are left out. Bodies that a loop connects are listed, for PhysX."""
         connected = {frozenset((joint.first, joint.second)) for joint in self.plan.joints if not joint.closes}
         pairs: dict[str, tuple[Prim, list[Prim]]] = {}
         links = self.plan.names.links

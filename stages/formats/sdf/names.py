@@ -8,7 +8,7 @@ from linkwright.stages.robot.model.robot import Joint, Loop, Robot
 from linkwright.stages.robot.text.names import free
 
 WORLD = "world"
-"""The name of a link at the origin of the assembly. An SDF reserves it for the world outside of the model."""
+"""The name of a link at the origin of the assembly. An SDF reserves it for the world outside the model."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +37,8 @@ class SdfNames:
 def sdf_names(robot: Robot) -> SdfNames:
     """Chooses the names in the SDF.
 
-    Links keep their names. Joints keep theirs unless a link has it, frames unless a link or joint has it.
-    Generated names avoid all others.
+    Links keep their names. Joints keep their names unless a link has the same name, and frames unless a link
+    or a joint has it. Generated names differ from all other names.
     """
     chains: list[Joint | Loop] = [*robot.joints, *robot.loops]
     links = [link.name for link in robot.links]
@@ -81,8 +81,8 @@ def _joints_of(chain: Joint | Loop) -> list[str]:
 
 
 def _allowed_name(name: str) -> str:
-    """Returns the name with the parts replaced that SDF does not allow: `::`, which separates the names of
-    scopes, and the underscores of `__name__`, which is reserved."""
+    """Returns the name without what SDF does not allow: `::`, which separates the names of scopes, and the
+    underscores around `__name__`, which is reserved."""
     name = name.replace("::", "_")
     if re.fullmatch("__.*__", name, re.DOTALL):
         name = name.strip("_") or "unnamed"

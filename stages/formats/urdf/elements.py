@@ -58,6 +58,8 @@ def numbers(
 
 
 def _value(text: str) -> float | None:
+    """Returns the number in a text, which may be infinite or NaN; None if the text is not a number."""
+    # Python reads 1_000 as a number; readers of URDF do not.
     if "_" in text:
         return None
     try:
@@ -74,6 +76,7 @@ def pose(element: Element, log: FileDiagnostics) -> Array:
     log.check(origin, (), ("xyz", "rpy", "quat_xyzw"))
     x, y, z = numbers(origin, "xyz", 3, log) or (0.0, 0.0, 0.0)
     quat = numbers(origin, "quat_xyzw", 4, log)
+    # A quaternion of zeros is not a rotation: then `rpy` counts.
     if quat is not None and any(quat):
         rotation = rotation_from_quat(np.array([quat[3], *quat[:3]]))
     else:

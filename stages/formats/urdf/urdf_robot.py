@@ -40,8 +40,8 @@ def urdf_robot(robot: Robot, form: UrdfForm, holders: Holders) -> Robot:
 def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:
     """Returns the robot's relations, and a relation for each <mimic> that replaces a loop.
 
-    A <mimic> must not follow a joint that itself follows another one. A relation whose driver follows a loop
-    is therefore expressed by the joint that drives the loop.
+    A <mimic> must not follow a joint that itself follows another joint. So a relation whose driver follows in
+    a loop is expressed by the joint that drives the loop.
     """
     mimic_by_follower = {mimic.follower: mimic for mimic in form.mimics}
     relations = []

@@ -1,5 +1,8 @@
-"""Converts actuators to the attributes of MuJoCo's USD schema `MjcActuator`: force = gain · control + bias,
-along the dof's value times a gear, in radians and metres."""
+"""Converts actuators to the attributes of MuJoCo's USD schema `MjcActuator`.
+
+The force of an actuator is gain · control + bias; its length is the value of its dof [rad or m] times the
+gear.
+"""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,8 +36,8 @@ class ActuatorFacts:
 def known_actuators(
     actuators: Sequence[Actuator], dofs: Collection[str]
 ) -> Iterator[tuple[str, Actuator, ActuatorFacts]]:
-    """Yields the actuators of these dofs that the schema knows: the name of the prim, the actuator, and its
-    facts."""
+    """Yields (name of the prim, actuator, attributes) for each actuator of these dofs that the schema
+    supports."""
     names = identifiers(actuator.name for actuator in actuators)
     for actuator in actuators:
         facts = actuator_facts(actuator)
@@ -68,8 +71,10 @@ def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, .
     `position`) set them."""
     kp, kv = actuator.kp or 0.0, actuator.kv or 0.0
     match actuator.type:
+        # The integral term of a PID is left out (see `actuator_facts`).
         case "position" | "pid":
             return {"biastype": "affine"}, {"gainprm": (kp,), "biasprm": (0.0, -kp, -kv)}
+        # The activation of the integrator is the target position.
         case "intvelocity":
             return (
                 {"dyntype": "integrator", "biastype": "affine"},
@@ -91,7 +96,7 @@ def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, .
 
 
 def _pair(actuator: Actuator, name: str) -> tuple[float, float] | None:
-    """Returns the two numbers of an attribute that the source's actuator has; None if it is missing."""
+    """Returns a range that the source gives for the actuator; None if it gives none."""
     text = dict(actuator.terms).get(name)
     if text is None:
         return None

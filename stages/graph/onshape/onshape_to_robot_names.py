@@ -16,10 +16,10 @@ DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 """Prefixes of names: joints, closed loops, frames, and welds."""
 
 INVERTED = frozenset({"inv", "inverted"})
-"""Last words of the names of joints whose direction is inverted."""
+"""Words at the end of a joint's name that invert its direction."""
 
 ENDLESS = frozenset({"wheel", "continuous"})
-"""Words in the names of joints that turn without limits."""
+"""Words in a joint's name that let it turn without limits."""
 
 FLIP = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
 """Half a turn about x. If both frames of a mate are turned by it, all motions of the mate change sign, except
@@ -34,7 +34,7 @@ _FLIPPED_LIMITS = {
 
 
 class JointWords(NamedTuple):
-    """The name of a joint."""
+    """The words of the name of a joint."""
 
     words: list[str]
     """The parts of the name between its underscores, without the word for an inverted direction."""
@@ -49,21 +49,21 @@ def unprefixed_name(mate: Mate) -> str:
 
 
 def joint_words(mate: Mate) -> JointWords:
-    """Returns the words of the name of a mate's joint."""
+    """Splits the name of a mate's joint into words."""
     words = unprefixed_name(mate).split("_")
     inverted = words[-1] in INVERTED
     return JointWords(words[:-1] if inverted else words, inverted)
 
 
 def type_between_links(mate: Mate) -> str:
-    """Returns the type of the joint that a mate between two links makes: FASTENED becomes FIXED, since this
-    mate does not weld the links."""
+    """Returns the type of the joint that a mate between two links makes. FASTENED becomes FIXED, since this
+    mate joins the links but does not merge them."""
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
 def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | None:
-    """Returns a `dof_` mate under the name of its joint, reversed if its direction is inverted; None
-    (E-PEER-NAME) if it has no such name. A CYLINDRICAL mate becomes REVOLUTE (W-PEER-SLIDE)."""
+    """Returns a `dof_` mate with the name of its joint, flipped if the name inverts its direction. A
+    CYLINDRICAL mate becomes REVOLUTE (W-PEER-SLIDE). Returns None if the joint has no name (E-PEER-NAME)."""
     words, inverted = joint_words(mate)
     name = "_".join(words)
     if not legal(name):
@@ -89,6 +89,7 @@ def _as_revolute(mate: Mate, assembly: Assembly) -> Mate:
     shift = np.eye(4)
     shift[2, 3] = (inverse(assembly.world_from(second)) @ assembly.world_from(first))[2, 3]
     second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ shift))
+    # Only the limits of the turn apply; limitZMin and limitZMax limit the slide.
     limits = {limit: value for limit, value in (mate.limits or {}).items() if "Axial" in limit}
     return replace(mate, ref=replace(mate.ref, type="REVOLUTE"), entities=(first, second), limits=limits)
 
@@ -109,5 +110,6 @@ def _flipped(mate: Mate) -> Mate:
 def with_inverted_mates(relation: MateRelation, inverted: Collection[tuple[Path, str]]) -> MateRelation:
     """Returns the relation, reversed if an odd number of its mates is inverted: the values of inverted mates
     have the opposite sign. `inverted`: (assembly, feature) of each inverted mate."""
+    # Two inverted mates cancel.
     changes_sign = sum(mate in inverted for mate in relation.mates) % 2 == 1
     return replace(relation, reverse=relation.reverse != changes_sign)

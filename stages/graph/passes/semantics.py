@@ -18,6 +18,7 @@ def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
     has. `semantics`: the content, by the names in the source."""
     if semantics == NOTHING_MORE:
         return robot
+    # Name in the source → name: a link of the source has a path of one step, its name.
     links = {link.path[0]: link.name for link in robot.links if len(link.path) == 1}
     links_and_frames = links | {frame.source: frame.name for frame in robot.frames if frame.source}
     dofs = {
@@ -39,10 +40,13 @@ def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
 def _groups(
     semantics: RobotSemantics, dofs: Mapping[str, list[str]], links_and_frames: Mapping[str, str]
 ) -> Iterator[JointGroup]:
+    """Yields the groups that still have joints."""
     for group in semantics.groups:
         joints = tuple(dof for joint in group.joints for dof in dofs.get(joint, ()))
         is_chain = group.base in links_and_frames and group.tip in links_and_frames
+        # A chain whose base or tip is gone stays a group of its joints.
         base, tip = (links_and_frames[group.base], links_and_frames[group.tip]) if is_chain else ("", "")
+        # A group without movable joints means nothing to a planner.
         if joints:
             yield JointGroup(group.name, joints, base, tip)
 

@@ -12,7 +12,7 @@ tolerance.
 - fitting: Fits ends in parallel: in this process, and in a second one if there is a second processor.
 - links: Makes the first pieces of links: a primitive or a hull for each of their colliders, or for each part.
 - meeting: Finds the links that meet the world, with which the robot grasps, stands and touches.
-- pair: Measures for two links that may be false how deep their pieces are in each other.
+- pair: Measures how deep the colliders of two links overlap in poses in which the links' meshes are apart.
 - poses: Finds the poses in which links are near each other, among the poses for which colliders are made.
 - request: Defines the request for colliders by contact, and the pairs of links that stay false.
 - robot: Makes the colliders by contact of a whole robot, from surfaces to pieces.

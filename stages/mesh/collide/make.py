@@ -61,12 +61,13 @@ class ColliderJob:
         return self.placed_meshes[0].link_from_part if self.single else _IDENTITY
 
     def key(self) -> dict[str, Any]:
-        """Returns all that the collider depends on, as plain data."""
+        """Returns everything that the collider depends on, as plain data."""
         if self.single:
             mesh = self.placed_meshes[0].mesh
             meshes: list[Any] = [mesh.reply, mesh.part]
         else:
-            # The rest of a key, whether the part collides and is seen, does not matter here.
+            # The rest of a mesh's key (whether it collides, whether it is drawn) does not change the
+            # collider.
             meshes = [placed_mesh.key()[:3] for placed_mesh in self.placed_meshes]
         return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": meshes}
 
@@ -113,12 +114,13 @@ class _ColliderMaker:
         self._lock = threading.Lock()
 
     def collider(self, job: ColliderJob, function: str = "make") -> Collision:
-        """Returns the collider that a function of the job's maker makes. `function`: "make", or "together"
-        for a collider of several parts."""
+        """Returns the collider of a job. `function`: the maker's function, "make", or "together" to make a
+        single collider of several parts."""
         return self._kept(job, function, lambda: collision.encode(self._make(job, function)))
 
     def _kept(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> Collision:
-        """Returns the collider of a step from memory; the first time, it is made or read from the cache."""
+        """Returns the collider of a step ("make", "together" or "joined") from memory; the first time, it is
+        read from the cache, or made by `make`."""
         key = job.identity(), step
         if key not in self._colliders:
             self._colliders[key] = collision.decode(self._cached(job, step, make))
@@ -139,8 +141,8 @@ class _ColliderMaker:
             return job.surfaces(self._library)
 
     def share_colliders(self, colliders: Sequence[MadeCollider]) -> list[MadeCollider]:
-        """Returns the colliders, with a single shared collider for the parts of a link that the same key
-        chose, if one suffices."""
+        """Returns the colliders, with a single shared collider for the parts of a link whose maker the same
+        configuration entry chose, if a shared collider suffices."""
         result: list[MadeCollider] = []
         for group in _groups_by_key(colliders):
             shared_collider = self._shared_collider(group)
@@ -156,7 +158,7 @@ class _ColliderMaker:
 
     def merge_pieces(self, colliders: Sequence[MadeCollider]) -> list[MadeCollider]:
         """Returns the colliders, with fewer pieces where pieces of different parts can be merged. Only parts
-        of a link that the same key chose are merged."""
+        of a link whose maker the same configuration entry chose are merged."""
         result: list[MadeCollider] = []
         for group in _groups_by_key(colliders):
             mergeable = [
@@ -191,8 +193,8 @@ class _ColliderMaker:
         return MadeCollider(combined_job, merged) if merged.pieces else None
 
     def improve_worst(self, colliders: Sequence[MadeCollider], shown: Shown | None) -> list[MadeCollider]:
-        """Returns the colliders, with improved ones where a collider misses its tolerance and its maker has a
-        second step. The worst collider is improved first."""
+        """Returns the colliders, improved where a collider misses its tolerance and its maker has a second
+        step. The worst collider is improved first."""
         candidates: dict[str, MadeCollider] = {}
         for collider in colliders:
             if collider.job.choice.how.improves and not collider.collision.meets and collider.collision.faces:
@@ -219,13 +221,13 @@ class _ColliderMaker:
             task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, collider.collision)
             return improved(task, guest)
 
-        # Threads improve colliders side by side, and each only once: the memory is of no use here.
+        # Each collider is improved once, in a thread of its own, so `_colliders` is not needed.
         return collision.decode(self._cached(job, "improve", make))
 
 
 def _groups_by_key(colliders: Sequence[MadeCollider]) -> list[list[MadeCollider]]:
-    """Groups colliders: those of a link that the same key chose for the ladder are a group, every other
-    collider is a group by itself."""
+    """Groups colliders: those of a link for which the same configuration entry chose the ladder are a group,
+    and every other collider is a group by itself."""
     groups: dict[tuple[str, int], list[MadeCollider]] = {}
     for index, collider in enumerate(colliders):
         choice = collider.job.choice
@@ -254,8 +256,8 @@ def _tolerances_off(result: Collision) -> float:
 def jobs_of(
     link: str, placed_meshes: Sequence[PlacedMesh], names: Sequence[str], choices: Sequence[Choice]
 ) -> Iterator[ColliderJob]:
-    """Yields the jobs of a link: a job for each part, or a job for all parts together that the same key
-    chose.
+    """Yields the jobs of a link: a job for each part, or one job for all parts for which the same
+    configuration entry chose the maker.
 
     `names`, `choices`: name and choice for each mesh.
     """

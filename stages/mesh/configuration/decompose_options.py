@@ -31,14 +31,15 @@ _CHOICES: Mapping[str, tuple[str, ...]] = {
     "preprocess_mode": ("auto", "on", "off"),
     "apx_mode": ("ch", "box"),
 }
+"""The values of the parameters that are words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
     """CoACD's parameters, by its names (https://github.com/SarahWeiii/CoACD).
 
-    `merge` is off, since `PieceCutter` joins the pieces, by the volume that joining adds: a collider of
-    8 pieces then has half the error of CoACD's own merging.
+    `merge` is off because `PieceCutter` merges the pieces, by the volume that merging adds: with 8 pieces,
+    the error is half that of CoACD's merging.
     """
 
     threshold: float | None = None
@@ -65,6 +66,7 @@ class Search:
         arguments = asdict(self)
         if self.threshold is None:
             arguments.update(threshold=_TOLERANCES_IN_THRESHOLD * tolerance, real_metric=True)
+        # `auto` is `off`, since the mesh is closed already.
         return arguments | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
 
 
@@ -77,7 +79,8 @@ EFFORTS: Mapping[str, Search] = {
 
 
 def search(effort: str, parameters: Mapping[str, Any]) -> Search:
-    """Returns the parameters of an effort, overridden by the user's; raises ConfigError if one is wrong."""
+    """Returns the parameters of an effort, overridden by the user's; raises ConfigError for an unknown or
+    invalid parameter."""
     names = [parameter.name for parameter in fields(Search)]
     for name, value in parameters.items():
         where = f"mesh.coacd.{name}"

@@ -16,22 +16,22 @@ from linkwright.stages.mesh.surfaces.snapping import snapped
 from linkwright.stages.robot.contact.clearance import engine
 
 _MIN_THICKNESS = 1e-6
-"""Smallest ratio [m] between the volume and the area of a hull that is not flat."""
+"""Smallest ratio [m] of volume to area of a hull that does not count as flat."""
 
 _MAX_NEIGHBOURS = 254
 """Largest number of neighbours of a corner: Coal (3.0.3) counts them in a byte, and raises an error for
 more."""
 
 _CELLS_ALONG_DIAGONAL = 30
-"""Number of cells along the diagonal of a piece; each has at most one point of its cloud."""
+"""Number of grid cells along the diagonal of a piece; its cloud has at most one point in each cell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chunk:
-    """A piece of a collider with the triangles that it encloses."""
+    """A convex piece of a collider, with the triangles of the link from which it was made."""
 
     surface: Surface
-    """Triangles in the link's frame; without triangles for a piece that stays as it is."""
+    """Triangles in the link's frame; empty if the piece must not change."""
     piece: Piece
     """Solid around the triangles."""
     convex: Any
@@ -41,23 +41,23 @@ class Chunk:
     collider_index: int = -1
     """Index of the collider in the link; -1 for a piece that is already fixed."""
     _cloud: list[Points] = field(default_factory=list)
-    """The points that `cloud` returns, once they are computed; a list, since the value is frozen."""
+    """The points that `cloud` returns, once they are computed; a list, since the class is frozen."""
 
     @staticmethod
     def of(surface: Surface, piece: Piece, collider_index: int = -1) -> Chunk:
-        """Returns the chunk of a piece; in the engine's form, a primitive is a polyhedron."""
+        """Returns the chunk of a piece. For the engine, a primitive is approximated by a polyhedron."""
         solid = surface_of(piece)
         return Chunk(surface, piece, _engine_form(solid), solid.volume(), collider_index)
 
     @staticmethod
     def around(surface: Surface, hull: Surface, max_vertices: int, collider_index: int) -> Chunk | None:
-        """Returns the chunk of a surface whose hull is `hull`; its piece has at most `max_vertices`, and is
-        snapped to the grid of files. Returns None if the piece is flat."""
+        """Returns the chunk of a surface with the hull `hull`. The piece has at most `max_vertices`, on the
+        grid to which files round. Returns None if the piece is flat."""
         reduced_hull = capped_hull(hull, max_vertices)
         return None if reduced_hull is None else Chunk.of(surface, snapped(reduced_hull), collider_index)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles the chunk without the engine's form of the solid."""
+        """Pickles the chunk without the engine's form of the solid, which is made again."""
         return Chunk.of, (self.surface, self.piece, self.collider_index)
 
     @property
@@ -122,8 +122,7 @@ def _surface_of_hull(hull: Any, points: Points) -> Surface:
 def hull_chunk(surface: Surface, max_vertices: int, collider_index: int) -> Chunk | None:
     """Returns the chunk of a surface with the surface's hull as its piece; None if the hull is flat. Each
     vertex must belong to a triangle."""
-    # To reduce the hull takes a third of the time that it takes to reduce the surface, which has far more
-    # triangles.
+    # Reducing the hull takes a third of the time of reducing the surface, which has far more triangles.
     hull = hull_surface(surface.vertices)
     return None if hull is None else Chunk.around(surface, hull, max_vertices, collider_index)
 
@@ -131,7 +130,7 @@ def hull_chunk(surface: Surface, max_vertices: int, collider_index: int) -> Chun
 _INNER_WEIGHTS = [
     (a / 6, b / 6, (6 - a - b) / 6) for a in range(7) for b in range(7 - a) if max(a, b, 6 - a - b) < 6
 ]
-"""Weights of a triangle's corners that give points spread over it."""
+"""Barycentric coordinates of sample points of a triangle, in steps of 1/6, without its corners."""
 
 _CELL_STRIDE = 1 << 12
 """Factor from the index of a cell along an axis to the next axis: more than the number of cells along any

@@ -14,7 +14,7 @@ that axis.
   point.
 - outline: Prepares a surface and its hull for the fits: for distances from them, by samples in a tree.
 - refine: Improves a fit in small steps, which move single sides of a primitive in or out.
-- score: Computes the error of a primitive: the smallest tolerance of a collider that it meets.
+- score: Computes the error of a primitive as a collider: the smallest tolerance that it meets.
 """
 
 from __future__ import annotations

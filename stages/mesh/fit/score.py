@@ -1,4 +1,4 @@
-"""Computes the error of a primitive: the smallest tolerance of a collider that it meets."""
+"""Computes the error of a primitive as a collider: the smallest tolerance that it meets."""
 
 from collections.abc import Iterator
 
@@ -11,32 +11,33 @@ from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Primitive
 
 MAX_PROTRUSION_TOLERANCES = 3.0
-"""Largest protrusion of a collider, in tolerances, while 95 % of its surface stay within one tolerance."""
+"""Largest allowed protrusion of a collider, in tolerances; 95 % of its surface must be within one
+tolerance."""
 
 _FINE_GRID = (7, 23)
 _COARSE_GRID = (3, 7)
-"""Numbers of points along a side or a generating line, and around an axis: gears seldom have as many
-teeth."""
+"""Numbers of points along a side or a generating line, and around an axis. Few gears have that many teeth, so
+the points do not all fall on the teeth, or all between them."""
 
 
 def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
-    """Returns the smallest tolerance [m] that a primitive meets: the largest of its greatest bareness, the
-    95 % quantile of its protrusion, and a third of its greatest protrusion. Without `fine`, few points are
-    sampled."""
+    """Returns the smallest tolerance [m] that a primitive meets. It is the largest of three values: how far
+    the part stands out of the primitive at most, the 95 % quantile of how far the primitive stands out of the
+    part, and a third of the latter's maximum. Without `fine`, few points are sampled."""
     local, weights = _points(primitive, *(_FINE_GRID if fine else _COARSE_GRID))
     pose = _sample_pose(primitive, outline)
     protrusion = outline.protrusion(local @ pose[:3, :3].T + pose[:3, 3])
     order = np.argsort(protrusion, kind="stable")
-    # Each point stands for the surface around it, half of which counts as below the point's value.
+    # Each point represents the surface around it, half of which counts as standing out less than the point.
     covered = np.cumsum(weights[order]) - weights[order] / 2
     p95 = np.interp(0.95 * weights.sum(), covered, protrusion[order])
     return max(outline.bareness(primitive), float(p95), float(protrusion.max()) / MAX_PROTRUSION_TOLERANCES)
 
 
 def least_error(primitive: Primitive, outline: Outline) -> float:
-    """Returns a lower bound of the error [m]. The volume by which a primitive exceeds the part's hull lies
-    between the hull and the primitive's surface; 95 % of that surface stand out by at most the error, and the
-    rest by at most three times as much."""
+    """Returns a lower bound of the error [m], from the volume by which a primitive exceeds the part's hull.
+    It lies between the hull and the primitive's surface: 95 % of this surface stand out by at most the error,
+    and the rest by at most three times as much."""
     extra_volume = primitive_volume(primitive.kind, primitive.size) - outline.volume
     mean_protrusion = 0.95 + 0.05 * MAX_PROTRUSION_TOLERANCES
     return extra_volume / (mean_protrusion * primitive_area(primitive.kind, primitive.size))
@@ -61,8 +62,8 @@ def _sample_pose(primitive: Primitive, outline: Outline) -> Array:
 
 
 def _farthest(vectors: Points, outline: Outline) -> int:
-    """Returns the index of the longest of the vectors, one for each vertex of the hull. A symmetric hull has
-    several; then the vertex counts that is farthest from the centroid of the surface."""
+    """Returns the index of the longest of the vectors, one for each vertex of the hull. If several are
+    equally long, as in a symmetric hull, the vertex farthest from the centroid of the surface is chosen."""
     squares = (vectors**2).sum(axis=1)
     longest = squares >= squares.max() * (1 - 1e-6)
     middle = np.average(outline.centroids, axis=0, weights=outline.areas)
@@ -87,16 +88,20 @@ def _rings(primitive: Primitive, along: int) -> Iterator[tuple[float, float, flo
     half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
     if half:
         for k in range(along):
+            # The rings at both ends have half a step of the barrel.
             halved = k in (0, along - 1)
             yield radius, half * (2 * k / (along - 1) - 1), 2 * half * radius / (along - 1) / (1 + halved)
     for k in range(along):
         for sign in (-1, 1):
             if primitive.kind == "cylinder":
+                # The centre has no circumference, so it counts as a ring of a quarter of a step; the rim is
+                # half a step.
                 step = radius / (along - 1)
                 yield step * k, sign * half, step * max(step * k, step / 4) / (1 + (k == along - 1))
             else:
                 angle = np.pi / 2 * k / (along - 1)
                 step = np.pi / 2 / (along - 1)
+                # Both halves, or a half and the barrel, share the equator; the pole is a cap of half a step.
                 width = max(np.cos(angle), step / 8) / (1 + (k == 0))
                 height = sign * (half + radius * np.sin(angle))
                 yield radius * np.cos(angle), height, radius**2 * step * width

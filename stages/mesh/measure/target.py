@@ -21,8 +21,8 @@ _GRID_SHARE = 1 / 100
 """Size of the grid's cells, as a share of the diagonal."""
 
 _MAX_OVERLAP = 10
-"""Largest `_overlap` of a part that is measured: beyond it, measuring takes seconds. Parts of robots have
-less than 1."""
+"""Largest `_overlap` of a part that is measured: beyond it, measuring takes seconds. The overlap of usual
+parts is below 1."""
 
 _MIN_SIDE_SHARE = 1e-9
 """Smallest side of a box in `_overlap`, as a share of the diagonal: a flat box has no volume to divide by."""
@@ -52,7 +52,7 @@ class Target:
     solid: Solid | None
     """The part for boolean operations; None if they are impossible."""
     _cloud: list[Cloud] = field(default_factory=list)
-    """Points in the part's box, once `shares` needs them; a list, since the value is frozen."""
+    """Points in the part's box, once `shares` needs them; a list, since the class is frozen."""
 
     @staticmethod
     def of(surface: Surface) -> "Target":

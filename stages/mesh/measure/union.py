@@ -12,8 +12,8 @@ from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piec
 from linkwright.stages.robot.model.robot import Primitive
 
 _SLACK = 0.005
-"""By how much the box of a piece is widened, as a share of its longest side: the polyhedron of a primitive
-lies inside the primitive by less."""
+"""Distance by which the box of a piece is widened, as a share of its longest side: the polyhedron of a
+primitive lies inside the primitive by less than that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +88,7 @@ class PieceUnion:
 
     def depth(self, points: Points, without: Indices | None = None) -> Numbers:
         """Returns how deep (n,) [m] each point (n, 3) is in the pieces: at most 0 outside them, and −inf
-        outside all their boxes. `without` (n,): for each point, the index of a piece that does not count."""
+        outside all their boxes. `without` (n,): for each point, the index of a piece that is ignored."""
         result = np.full(len(points), -np.inf)
         for index, beyond in enumerate(self.beyond):
             in_box = ((points >= self.low[index]) & (points <= self.high[index])).all(axis=1)
@@ -101,7 +101,7 @@ class PieceUnion:
 
     def distance(self, points: Points, exact_from: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
         """Returns the distance (n,) [m] of points (n, 3) from the union, 0 inside, and whether it is exact.
-        Distances of at least `exact_from` are exact; smaller ones may be upper bounds."""
+        Distances of at least `exact_from` are exact; smaller distances may be upper bounds."""
         distances, exact = np.full(len(points), np.inf), np.ones(len(points), dtype=bool)
         for piece in self.pieces:
             if isinstance(piece, Primitive):

@@ -3,7 +3,7 @@
 - booleans: Converts closed surfaces to bodies of the boolean library, and back.
 - clean: Cleans a mesh: splits any triangles into closed solids that face outwards, and an open remainder.
 - convex_hull: Computes the convex hull of points.
-- inside: Finds which points are inside of a surface.
+- inside: Finds which points are inside a surface.
 - neighbours: Finds the neighbours of a surface's triangles.
 - pieces: Defines the pieces of a collider, closed convex surfaces and primitives, and their common functions.
 - rays: Finds where straight lines cross a surface.

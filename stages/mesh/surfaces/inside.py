@@ -1,4 +1,4 @@
-"""Finds which points are inside of a surface.
+"""Finds which points are inside a surface.
 
 Libraries were compared on 20,000 points of parts with 15,000 to 32,000 triangles: `igl.fast_winding_number`
 gives the same answers more slowly. Embree is 3 to 8 times as fast, but wrong on 0.6 to 7 % of the points of
@@ -31,9 +31,9 @@ class LineGrids:
     """Number of a direction → its grid."""
 
     def winding(self, points: Points, number: int) -> tuple[Indices, Indices]:
-        """Returns, for points (n, 3) and the lines of one direction, twice the winding number (n,), and how
-        often each line leaves the surface minus how often it enters it (n,). `number`: the direction's
-        number."""
+        """Returns two arrays (n,) for points (n, 3) and the lines through them in a direction: twice the
+        winding number, and the number of times that the line leaves the surface minus the number of times
+        that it enters. `number`: the direction's number."""
         if number not in self._grids:
             self._grids[number] = LineGrid.of(self.surface, number)
         twice = np.zeros(len(points), dtype=np.int64)
@@ -48,14 +48,14 @@ class LineGrids:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inside:
-    """Test whether points are inside of a surface, by its winding number.
+    """Test whether points are inside a surface, by its winding number.
 
     The winding number of a closed surface at a point is the number of times that a line from the point leaves
-    the surface, less the number of times that it enters; a single direction gives it exactly, even if shells
-    overlap. The winding number of a surface with holes is the mean over lines in all directions, and points
-    with more than ½ count as inside (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation
-    using generalized winding numbers", 2013). Here it is the mean over 6 lines, both ways each. The winding
-    numbers of the closed and the open part of a surface add up."""
+    the surface, minus the number of times that it enters. Any single direction gives it exactly, even if
+    shells overlap. The winding number of a surface with holes is the mean over lines in all directions, and
+    points with more than ½ count as inside (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside
+    segmentation using generalized winding numbers", 2013). Here it is the mean over 6 lines, each in both
+    directions. The winding numbers of the closed and the open part of a surface add up."""
 
     closed: LineGrids
     """The part of the surface without open edges."""
@@ -99,8 +99,8 @@ class Inside:
 
 
 def _holed_triangles(surface: Surface) -> npt.NDArray[np.bool_]:
-    """Tells for each triangle (m,) whether it is connected, by corners, to an open edge: an edge that has
-    more triangles in one sense than in the other."""
+    """Tells for each triangle (m,) whether it is connected, by corners, to an open edge: an edge that its
+    triangles traverse more often in one sense than in the other."""
     edges = Edges.of(surface)
     low, high = edges.ends.T
     ends = edges.ends[(edges.excess() != 0) & (low != high)]

@@ -108,7 +108,7 @@ def quats_from_vectors(vectors: Array) -> Array:
 
 
 def rotations_of_quats(quats: Array) -> Array:
-    """Returns the rotations (n, 3, 3) of quaternions (n, 4), normalised here."""
+    """Returns the rotations (n, 3, 3) of quaternions (w, x, y, z) (n, 4), which need not have unit length."""
     w, x, y, z = (quats / np.linalg.norm(quats, axis=1)[:, None]).T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -127,7 +127,7 @@ def product_of_quats(first: Array, second: Array) -> Array:
 
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-"""For each of x, y, z: the next coordinate, and the one after it."""
+"""For each of x, y, z: the index of the next coordinate, and of the coordinate after that."""
 
 
 def cross(first: Array, second: Array) -> Array:

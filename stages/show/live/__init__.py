@@ -7,7 +7,7 @@ whose pack is in the cache imports no module of this room.
 - actuators: Describes the actuators for the header, with an entry for each number of `ctrl`.
 - beside_urdf: Adds the robot's named poses, relations and loops to the header of a URDF.
 - compiled: Compiles the model of a build, to whose indices the page refers.
-- decimate: Simplifies meshes, for a page that opens and turns quickly.
+- decimate: Simplifies meshes, so that the page opens and turns quickly.
 - geoms: Describes the geoms for the header: visual, colliding, and the ground.
 - includes: Makes a scene a single document, without includes, and with a name for every body and geom.
 - links: Describes the links for the header: their CAD parts, masses, and the fit of their colliders.

@@ -1,4 +1,4 @@
-"""Simplifies meshes, for a page that opens and turns quickly.
+"""Simplifies meshes, so that the page opens and turns quickly.
 
 All meshes of a robot share a tolerance, since they are seen from the same distance: triangles stay where the
 shape needs them, and small parts lose theirs first. manifold3d simplifies within the tolerance; meshes that
@@ -20,13 +20,13 @@ _MIN_TOLERANCE = 2e-5
 """The finest tolerance, as a share of the size of the largest mesh; each level doubles the tolerance."""
 
 _CLUSTER_TOLERANCE = 2e-2
-"""The share of that size from which meshes are clustered, if no level has few enough triangles."""
+"""The tolerance, as the same share, with which clustering starts if no level has few enough triangles."""
 
 _MAX_TOLERANCE = 5e-2
-"""The coarsest tolerance, as a share of that size."""
+"""The coarsest tolerance, as the same share."""
 
 _MAX_FINE_EXCESS = 2
-"""If there are at most this many times too many triangles, a fine level is tried first."""
+"""If there are at most this many times too many triangles, the search starts at a fine level."""
 
 _MIN_TRIANGLES = 12
 """Meshes with at most this many triangles stay unchanged."""
@@ -48,7 +48,8 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
 
     last = int(np.log2(_MAX_TOLERANCE / _MIN_TOLERANCE))
     is_near = _total(simpler, uses) <= _MAX_FINE_EXCESS * most
-    # Some meshes hardly lose triangles, which only the coarsest level shows at once; but it takes longest.
+    # Only the coarsest level shows whether any level is enough. It takes longest, so it is not tried first if
+    # little must be lost.
     if is_near or _total(at(last), uses) <= most:
         level = lowest(
             last + 1, lambda number: _total(at(number), uses), most, last // 4 if is_near else None
@@ -117,14 +118,15 @@ def _without_duplicates(corners: Corners) -> Corners:
 
 
 def _total(meshes: Mapping[Key, Facets], uses: Mapping[Key, int]) -> int:
+    """Returns the number of triangles, counting each of the `uses` of a mesh."""
     return sum(len(facets.corners) * uses[key] for key, facets in meshes.items())
 
 
 def _restored(
     simpler: dict[Key, Facets], before: Mapping[Key, Facets], uses: Mapping[Key, int], most: int
 ) -> dict[Key, Facets]:
-    """Restores meshes of the finer level `before`, the largest first, as long as there is room for
-    triangles."""
+    """Replaces meshes by those of the finer level `before`, the largest first, if the total then stays within
+    `most`."""
     left = most - _total(simpler, uses)
     for key in sorted(simpler, key=lambda name: -before[name].size):
         additional = (len(before[key].corners) - len(simpler[key].corners)) * uses[key]
@@ -135,6 +137,7 @@ def _restored(
 
 
 def _emptied(meshes: dict[Key, Facets], uses: Mapping[Key, int], most: int) -> dict[Key, Facets]:
+    """Removes all triangles of the smallest meshes until the total is within `most`."""
     nothing = np.empty((0, 3), dtype=np.int64)
     for key in sorted(meshes, key=lambda name: meshes[name].size):
         if _total(meshes, uses) <= most:

@@ -1,4 +1,5 @@
-"""Rounds the numbers of a pack: few digits in JSON, but enough for kinematics that are exact to 1e-9."""
+"""Rounds the numbers that a live view is given: few digits in JSON, but enough for kinematics exact to
+1e-9."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -22,5 +23,5 @@ def rounded(value: float) -> float:
 
 
 def rounded_list(values: Iterable[Any] | npt.NDArray[Any]) -> list[float]:
-    """Returns the rounded numbers of an array as a flat list, for the header."""
+    """Returns the rounded numbers of an array as a flat list, for the JSON of the live view."""
     return [rounded(float(value)) for value in np.asarray(values, dtype=np.float64).ravel()]

@@ -7,17 +7,18 @@ from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, r
 from linkwright.stages.validate.bare.findings import Coded
 
 MAX_REACHES = 30.0
-"""Size of a mesh, in reaches of the robot, above which the mesh is taken to be in millimetres."""
+"""A mesh is taken to be in millimetres if it is at least this many times as large as the robot's reach."""
 
 MIN_SIZE = 2.0
-"""Size [m] below which a mesh is never taken to be in millimetres."""
+"""A mesh that is smaller than this [m] is never taken to be in millimetres."""
 
 _MIN_REACH = 1e-3
 """Reach [m] below which a robot's size says nothing about its meshes."""
 
 
 def check(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
-    """Yields a finding for each mesh that is probably in millimetres, once."""
+    """Yields a single finding for each mesh that is probably in millimetres, even if several shapes use
+    it."""
     robot_reach = reach(bodies)
     reported: set[str] = set()
     for body in bodies:

@@ -68,7 +68,7 @@ def check(document: ModelDocument) -> Iterator[Coded]:
 def _qpos(
     document: ModelDocument, key: Element, values: list[float], joints: list[_Joint]
 ) -> Iterator[Coded]:
-    """Yields the faults of the values of qpos, whose number is right."""
+    """Checks the values of qpos, whose number is right: unit quaternions, and joints within their limits."""
     for joint in joints:
         if joint.kind in ("ball", "free"):
             # The position of a free joint precedes its quaternion.
@@ -76,6 +76,7 @@ def _qpos(
             length = math.hypot(*values[start : start + 4])
             if abs(length - 1.0) > UNIT_LENGTH_TOLERANCE:
                 message = f'the quaternion of "{joint.name}" has the length {length:.4g}, expected 1'
+                # MuJoCo normalises quaternions, but a quaternion of length 0 has no direction.
                 code = "C-KEYS" if length < _ZERO_LENGTH else "C-PLAUSIBLE"
                 yield code, document.finding(key, "qpos", message)
         elif joint.limits is not None:
@@ -107,6 +108,7 @@ def _limits(attributes: Mapping[str, str], degrees: bool) -> tuple[float, float]
     limits = numbers(attributes.get("range"))
     if limits is None or len(limits) != 2 or attributes.get("limited", "auto") == "false":
         return None
+    # An empty range is a fault of the joint, not of the keyframe.
     if not limits[0] < limits[1]:
         return None
     unit = math.pi / 180.0 if degrees and attributes.get("type", "hinge") == "hinge" else 1.0

@@ -27,19 +27,21 @@ from linkwright.stages.validate.reading.documents import ModelDocument
 from linkwright.stages.validate.simulate.running import MAX_START_DEPTH, Touching, touching
 
 CONTACT_MEMORY = 128 << 20
-"""Memory [bytes] for contacts in the trial, if a file reserves more, or gives rows as old files do."""
+"""Memory [bytes] for contacts in the trial, if a file reserves more, or sets njmax or nconmax, as old files
+do."""
 
 MAX_ROWS, MAX_MEMORY = 100_000, 64 << 30
 """Largest number of rows of contacts, and largest memory [bytes], that the file of a robot may reserve."""
 
 LOOP_TOLERANCE = 1e-3
-"""Tolerance [m, rad] of loops at the start, since files have few digits: loops with larger errors jump when
-simulated."""
+"""Largest error [m, rad] of a loop at the start. Files have few digits, but with a larger error the loop
+jumps when it is simulated."""
 
 SECONDS = 1.0
 """Length of the trial [s]."""
 
 _READ_BY_MUJOCO = (".stl", ".obj", ".msh")
+"""Extensions of mesh files that MuJoCo reads."""
 
 MAX_TRIANGLES = 200_000
 """Largest number of triangles of an STL that MuJoCo reads."""
@@ -85,8 +87,8 @@ def start(document: ModelDocument) -> Started:
 
 
 def _of_mjcf(document: ModelDocument) -> Any:
-    """Compiles an MJCF, with less memory for contacts if it reserves gigabytes. Sizes beyond that of any
-    computer stay, so that they are refused."""
+    """Returns the spec of an MJCF, with less memory for contacts if it reserves gigabytes. Sizes that no
+    computer has are kept, so that MuJoCo refuses them."""
     spec = spec_of_mjcf(document.path)
     if max(spec.njmax, spec.nconmax) > MAX_ROWS or spec.memory > MAX_MEMORY:
         return spec
@@ -97,8 +99,8 @@ def _of_mjcf(document: ModelDocument) -> Any:
 
 
 def _of_urdf(document: ModelDocument) -> Any:
-    """Compiles a URDF in MuJoCo, without purely visual shapes and without meshes that MuJoCo cannot read.
-    Each mesh has its path, no links are merged, and floating joints are fixed."""
+    """Returns MuJoCo's spec of a URDF, without purely visual shapes and without meshes that MuJoCo cannot
+    read. Meshes have absolute paths, no links are merged, and floating joints are fixed."""
     root = parse(document.path.read_bytes())
     meshes = (file for file in referenced_files(document) if file.element.tag == "mesh")
     paths = {mesh.element.get("filename"): mesh.path for mesh in meshes}
@@ -125,6 +127,7 @@ def _is_read(mesh: Path) -> bool:
 
 
 def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
+    """Yields the results of the start (of an MJCF) and of the trial run."""
     name, urdf = document.path.name, document.language == "urdf"
     level: CheckLevel = "warning" if urdf else "error"
     data = at_keyframe(model)
@@ -142,8 +145,8 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
 
 
 def _within_limits(model: Any) -> Array:
-    """Returns the positions of a URDF's joints that are nearest to zero within their limits, with those of
-    the followers."""
+    """Returns the positions of a URDF's joints: each as near to zero as its limits allow, and each follower
+    where its driver puts it."""
     qpos: Array = model.qpos0.copy()
     for joint in np.flatnonzero(model.jnt_limited):
         at = model.jnt_qposadr[joint]
@@ -155,6 +158,8 @@ def _within_limits(model: Any) -> Array:
 
 
 def _first_moment(name: str, model: Any, data: Any) -> Iterator[Check]:
+    """Yields the results for the start: whether bodies overlap, and whether loops and relations are
+    closed."""
     deep = tuple(_deep(model, data))
     detail = f"nothing is deeper than {1000 * MAX_START_DEPTH:g} mm inside another thing at the start"
     if deep:
@@ -182,11 +187,12 @@ def _sentence(finding: Finding) -> str:
 
 
 def _deep(model: Any, data: Any) -> Iterator[Finding]:
+    """Yields the contacts that are too deep at the start."""
     for contact in touching(model, data):
         if contact.depth > MAX_START_DEPTH:
             message = f"it is {1000 * contact.depth:.2g} mm inside {_inside(model, contact)} at the start"
             if contact.other and contact.other in _carriers(model, contact.body):
-                # Otherwise MuJoCo leaves the pair out.
+                # MuJoCo skips such a pair, unless the carrier is fixed to the world.
                 is_parent = contact.other == int(model.body_parentid[contact.body])
                 relation = "its parent" if is_parent else "to which its parent is fixed"
                 message += (

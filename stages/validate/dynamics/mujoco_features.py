@@ -19,11 +19,12 @@ _PROBES = [
     for moments in ((1.0, 0.9, 0.6), (1.0, 0.99, 0.1), (1.0, 0.55, 0.5))
     for quat in itertools.product((0.3, 1.0), (-0.7, 0.2), (0.4, 0.9), (-0.1, 0.5))
 ]
-"""Tensors for the measurement: principal moments, and the quaternion (not normalised) of their axes."""
+"""Tensors on which MuJoCo's error is measured: principal moments, and the quaternion (not normalised) of
+their axes."""
 
 _PROBE_MARGIN = 16
 """Factor on the largest error of the probes. The worst of thousands of tensors had four times the error of
-these few; another factor of four is a margin."""
+these; the rest is a margin."""
 
 _ROUNDING = 1e-12
 """Relative error of a tensor that rounding alone may cause."""
@@ -35,11 +36,11 @@ _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link
 
 
 def axes_error(size: float) -> float:
-    """Returns the relative error of an inertia tensor after MuJoCo's search for its principal axes; 0 if it
-    is only rounding. `size`: the largest entry of the tensor [kg m²].
+    """Returns the relative error that MuJoCo's search for principal axes may leave in an inertia tensor; 0 if
+    the error is only rounding. `size`: the largest entry of the tensor [kg m²].
 
-    Up to 3.13, MuJoCo stops the search at 1e-6 rad and at 1e-12 kg m². It searches only in a URDF, which
-    gives the tensor; the MJCFs that are written here give the axes.
+    Up to and including 3.13, MuJoCo stops the search at 1e-6 rad and at 1e-12 kg m². It searches only in a
+    URDF, which gives the tensor; the MJCFs that are written here give the axes.
     """
     return _largest_error(math.floor(math.log10(size)))
 

@@ -13,7 +13,7 @@ XML_CODE = "C-XML"
 
 
 _XML_ENDINGS = (".srdf",)
-"""Endings of XML files that nothing else reads back."""
+"""Extensions of XML files that no other check reads."""
 
 
 def check_folder(
@@ -22,8 +22,8 @@ def check_folder(
     extras: Iterable[str] = (),
     packages: tuple[str, ...] | None = None,
 ) -> Iterator[Check]:
-    """Checks the model files of these names in a build's folder, that other files are XML if they must be,
-    and that every asset is used. `packages`: the packages that the folder is, None if unknown."""
+    """Checks a build's folder: its `models`, that XML files among the `extras` are well formed, and that
+    every asset is used. `packages`: the names of the packages whose root is this folder; None if unknown."""
     documents = []
     for name in models:
         if (folder / name).exists():
@@ -43,8 +43,8 @@ def check_folder(
 
 
 def opened(path: Path) -> tuple[ModelDocument | None, Check]:
-    """Returns the document in a file, None if it is not XML, and the check that the file is complete XML with
-    the root that its name promises."""
+    """Returns the document in a file (None if it is not XML), and the check that the file is well-formed XML
+    with the root that its extension promises."""
     broken = broken_text(path)
     findings = [] if broken is None else [broken]
     document = None if broken else read(path)

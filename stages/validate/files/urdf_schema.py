@@ -31,6 +31,8 @@ mimic: joint multiplier offset |
 safety_controller: soft_lower_limit soft_upper_limit k_position k_velocity |
 calibration: rising falling reference_position |
 """
+"""A line for each element: `tag: attributes | children`. Attributes that ROS's reference lacks, such as
+`quat_xyzw` and `rotorInertia`, are those of other readers."""
 
 _ANYWHERE = frozenset(
     (
@@ -42,6 +44,7 @@ _ANYWHERE = frozenset(
 
 
 def _read() -> dict[str, Allowed]:
+    """Returns the table of elements: tag → the attributes and children that it may have."""
     table: dict[str, Allowed] = {}
     for line in _TABLE.strip().splitlines():
         tag, _, contents = line.partition(":")
@@ -57,4 +60,5 @@ def allowed(path: tuple[str, ...]) -> Allowed:
     """Returns the attributes and children that an element may have. `path`: the tags from the root to it."""
     if any(tag in _ANYWHERE or ":" in tag for tag in path):
         return None, None
+    # An element that the table lacks may have any content: it is itself reported as an unknown child.
     return _ALLOWED.get(path[-1], (None, None))

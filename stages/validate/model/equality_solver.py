@@ -27,7 +27,7 @@ _DISABLED_CONSTRAINTS = int(
     | mujoco.mjtDisableBit.mjDSBL_LIMIT
     | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
 )
-"""Constraints that have no part in the equalities."""
+"""Kinds of constraints that are not needed here, and are left out of the Jacobian."""
 
 
 @dataclass(slots=True)
@@ -82,8 +82,8 @@ def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
 
 
 def swept_joints(model: Any, pose: Array) -> list[int]:
-    """Returns all hinges, and the slides that have limits. Of the joints that equalities couple, only the
-    driven ones are returned, or, if none is driven, those that follow no relation."""
+    """Returns the hinges, and the slides that have limits. Of joints that equalities couple, only the driven
+    joints are returned, or, if none is driven, those that follow no relation."""
     scalar = [
         joint
         for joint in range(model.njnt)

@@ -19,29 +19,30 @@ from linkwright.stages.validate.model.body_shapes import BodyExtents, outside, r
 CODE = "C-INERTIAL"
 
 STAND_IN = 1e-6
-"""Largest mass [kg] of a body that stands in for a frame, so that its inertia does not matter."""
+"""Largest mass [kg] of a body that only represents a frame. Its inertial is not judged."""
 
 MAX_MARKER_SIZE = 0.02
-"""Size [m] below which shapes without a mesh may be a mark for a link, not its form."""
+"""Size [m] below which shapes without a mesh may only mark a link, and not show its form."""
 
 LARGE, TOO_LARGE = 1.05, 5.0
-"""Limits of the radius of gyration, as a share of the shapes' reach: above the first it is impossible, and
-above the second no unseen part explains it. A thousand times the inertia makes it 32 times larger."""
+"""Limits of the radius of gyration, as a share of the shapes' reach: above the first, mass within the shapes
+cannot explain it; above the second, no unseen part can either. An inertia that is 1000 times too large makes
+it √1000 ≈ 32 times too large."""
 
 MIN_GYRATION = 0.05
 """Smallest radius of gyration, as a share of the reach: solid bodies have 0.3 to 0.7, and a body with its
-mass in one spot has little."""
+mass in one spot has almost 0."""
 
 TYPICAL_SHARE = 0.5
-"""Radius of gyration of a solid body, as a share of the reach: the guess of a mistake starts from it."""
-
+"""Radius of gyration of a solid body, as a share of the reach: guesses at confused units start from it."""
 
 OUT, FAR_OUT = 0.1, 2.0
-"""Limits of the distance of the centre of mass outside the shapes, as a share of their size: an unseen part
-may pull it a little way, but not further."""
+"""Distances of the centre of mass outside the shapes, as a share of their size, above which it is doubtful,
+and above which it is impossible: an unseen part may pull it out a little, but not far."""
 
 MILLIMETRES = 30.0
-"""Share from which a length may be one in mm that was read as metres."""
+"""Distance of the centre of mass outside the shapes, as a share of their size, above which it may be in mm
+and was read in metres."""
 
 DENSE, TOO_DENSE = 12_000.0, 60_000.0
 """Limits of the density in a box around the shapes [kg/m³]: denser than lead, and far denser than any metal
@@ -51,10 +52,13 @@ THIN, TOO_THIN = 1.0, 0.05
 """Lower limits of that density [kg/m³]: that of an empty frame, and half of hydrogen's."""
 
 MIN_JUDGED_MASS = 1e-3
-"""Mass [kg] below which a shape may be a purely visual marker, so that its density does not matter."""
+"""Mass [kg] below which a body may be only a visual marker, so that its density does not matter."""
 
 _LARGER = ((1e3, "g m² read as kg m²?"), (1e6, "kg mm² read as kg m²?"), (1e9, "g mm² read as kg m²?"))
+"""(factor, text): the factor by which a mistake of units makes an inertia too large."""
+
 _SMALLER = ((1e-3, "a mass in g read as kg?"), (1e-6, "an inertia of a shape in mm?"))
+"""(factor, text): the factor by which a mistake of units makes an inertia too small."""
 
 Quantity = Literal["inertia", "center", "mass", "shape"]
 
@@ -77,8 +81,8 @@ class ShapedInertial:
 
     shapes: BodyExtents
     moves: bool
-    """Whether the body can move. The inertial of a fixed body has no effect, so that its errors count as
-    doubts, and its doubts are ignored."""
+    """Whether the body can move. The inertial of a fixed body has no effect, so that impossible values only
+    count as doubtful, and doubtful values are ignored."""
 
     places: Mapping[Quantity, tuple[str, str]]
     """The element and the attribute by which the file gives each quantity."""
@@ -86,7 +90,7 @@ class ShapedInertial:
 
 @dataclass(frozen=True, slots=True)
 class _Judgement:
-    """The judgement of a body's quantity."""
+    """The judgement of a quantity of a body."""
 
     value: float
     wrong: bool = False
@@ -170,7 +174,8 @@ def _gyration(body: ShapedInertial) -> _Judgement:
 
 
 def _guess(factor: float) -> str:
-    """Returns a text on the mistake of units that multiplies an inertia by `factor`."""
+    """Returns a text on the mistake of units that multiplies an inertia by about `factor`; "" if no known
+    mistake does."""
     for of_units, words in (*_LARGER, *_SMALLER):
         # Within half an order of magnitude: mistakes of units are three orders apart.
         if abs(math.log10(max(factor, 1e-300) / of_units)) < 0.5:

@@ -30,7 +30,7 @@ class MassProperties(NamedTuple):
 
 def differences(actual: MassProperties, expected: MassProperties, allowed: float = 0.0) -> dict[str, float]:
     """Returns the difference of each quantity, in the units of `UNITS`. `allowed`: the relative error of the
-    inertia that is not counted."""
+    inertia that is ignored."""
     largest_entry = float(np.abs(expected.inertia).max()) or 1.0
     tensor_error = float(np.abs(actual.inertia - expected.inertia).max()) / largest_entry
     return {

@@ -43,6 +43,7 @@ ATTRIBUTE_NAMES = AttributeNames(
         "friction": "dynamics friction",
     },
 )
+"""The names that findings give to attributes of a URDF."""
 
 
 class ReadUrdf(ReadCompiled):
@@ -57,8 +58,8 @@ class ReadUrdf(ReadCompiled):
         self._names = compiled.written.urdf_names
 
     def data_at(self, q: Configuration) -> Any:
-        """Returns MuJoCo's data at the values `q`. For `file_configuration` itself no value is set, since the
-        value of a floating joint would replace the joint's origin, and so hide a wrong origin."""
+        """Returns MuJoCo's data at the values `q`. For `file_configuration` no value is set: the value of a
+        floating joint would replace the joint's origin, and hide an error in it."""
         if q is not self.file_configuration:
             return super().data_at(q)
         data = mujoco.MjData(self.model)
@@ -74,7 +75,7 @@ class ReadUrdf(ReadCompiled):
         if tag == "relation":
             (follower,) = (relation.follower for relation in self.robot.relations if relation.name == name)
             return named("joint", follower)
-        # A ball is a chain of turns in a URDF; the first of them is its title.
+        # In a URDF, a ball joint is three joints in a row; findings name the first.
         turns = self._names.turns.get(name) if tag == "joint" else None
         return named(tag, turns[0] if turns else name)
 
@@ -91,6 +92,8 @@ class ReadUrdf(ReadCompiled):
         return axes_error(size)
 
     def joints(self) -> Iterator[FoundJoint]:
+        """Yields the joints of the model. Their limits of velocity, which MuJoCo drops, are read from the
+        text."""
         limits = parse(self._text).iterfind("joint/limit")
         velocities = {limit.getparent().get("name", ""): limit.get("velocity", "") for limit in limits}
         model = self.model
@@ -124,12 +127,15 @@ class ReadUrdf(ReadCompiled):
             yield FoundPose(element, ATTRIBUTE_NAMES.place, pose if index >= 0 else None, expected)
 
     def mimics(self) -> Iterator[FoundMimic]:
+        """Yields the mimics: from the model's equalities, or from the text if this MuJoCo ignores <mimic>."""
         model = self.model
         if reads_mimic():
+            # Equalities that the user added follow the robot's.
             number = model.neq - self.compiled.surplus.equalities
             yield from joint_mimics(model, number, all_active=False)
             return
         for pair, coefficients in mimics(model, self._text).items():
+            # A <mimic> may name a joint that the model lacks.
             follower, driver = (model.joint(joint).name if joint >= 0 else "" for joint in pair)
             yield FoundMimic(follower, driver, float(coefficients[1]), float(coefficients[0]))
 

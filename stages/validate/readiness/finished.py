@@ -1,4 +1,4 @@
-"""Defines a finished robot as the points of sim-readiness see it: its folder, its XML and its model."""
+"""Defines what points of sim-readiness are judged by: a robot's folder, XML and compiled model."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ class NotApplicable(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Finished:
-    """A robot whose files are finished."""
+    """A robot whose files have been written."""
 
     folder: Path
     robot: Robot
-    """The robot in the form of the MJCF."""
+    """The robot as the MJCF has it."""
 
     model: Any
     """The compiled scene; without a scene, the compiled robot."""
@@ -46,6 +46,7 @@ class Finished:
 
     @cached_property
     def xml(self) -> Element:
+        """The root of the robot's MJCF."""
         return parse(self.path.read_bytes())
 
     @cached_property
@@ -66,9 +67,10 @@ class Finished:
 
     @cached_property
     def shapes(self) -> dict[int, tuple[list[int], list[int]]]:
-        """Maps each body to its purely visual geoms and its colliding geoms, without those of the scene."""
+        """Body → its purely visual geoms and its colliding geoms, without those of the scene."""
         by_body = seen_and_solid(self.model)
         of_robot = {body: geoms for body, geoms in by_body.items() if body}
+        # Geoms of body 0 are the robot's only if its root is the world; otherwise they are the scene's.
         return {**of_robot, **({0: by_body[0]} if 0 in by_body and self.robot.root.name == "world" else {})}
 
     @property
@@ -78,6 +80,7 @@ class Finished:
 
     @property
     def scalar_joints(self) -> list[int]:
+        """The indices of the hinges and slides."""
         kinds = self.model.jnt_type
         return np.flatnonzero((kinds == HINGE) | (kinds == SLIDE)).tolist()
 
@@ -89,11 +92,12 @@ class Finished:
         return data
 
     def name_of(self, kind: str, index: int) -> str:
+        """Returns the name of the element of this kind (such as "joint") and index."""
         return str(getattr(self.model, kind)(int(index)).name)
 
     def proved_by(self, kinds: Iterable[str], otherwise: str) -> Iterator[str]:
-        """Yields the failures of this run's checks of these kinds, or raises NotApplicable if none of the
-        checks ran. A kind is a code without its first letter."""
+        """Yields the failures of this run's checks of these kinds: codes without "C-". Raises NotApplicable
+        with the message `otherwise` if no such check ran."""
         codes = {f"C-{kind}" for kind in kinds}
         checks = [check for check in self.checks if check.code in codes]
         if not checks:
@@ -110,11 +114,12 @@ def _parsed(path: Path) -> Element:
 
 
 Judge = Callable[[Finished], Iterable[str]]
-"""Yields texts on what would meet a point, or nothing if it is met. Raises NotApplicable if the point does
-not apply."""
+"""Yields what a robot lacks to meet a point, as texts; nothing if the point is met. Raises NotApplicable if
+the point does not apply."""
 
 
 def smallest_share(values: Any, limit: float) -> bool:
-    """Tells whether an attribute's numbers include noise: a number that is tiny relative to the largest."""
+    """Tells whether the numbers of an attribute include noise: a number that is not 0, but below `limit`
+    times the largest."""
     sizes = np.abs(np.asarray(values))
     return bool(((sizes > 0) & (sizes < limit * sizes.max(initial=0.0))).any())

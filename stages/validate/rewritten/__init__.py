@@ -1,6 +1,6 @@
 """Compares files that nothing simulates with the files that a build would write, by facts instead of bytes.
 
-- amended: Recognizes differences that come from the user's own XML, which a build would not write again.
+- amended: Recognizes differences that come from the keys `elements` and `attributes`.
 - check: Checks the files that are written from others, by comparing each with what a build would write.
 - compare: Finds the differences between a file and what a build writes in its place.
 - facts: Defines facts, which are the content of a file: a value at each place.

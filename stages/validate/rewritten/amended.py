@@ -1,4 +1,5 @@
-"""Recognizes differences that come from the user's own XML, which a build would not write again."""
+"""Recognizes differences that come from the keys `elements` and `attributes`: the expected content, which a
+build would write, lacks their changes."""
 
 from collections.abc import Iterable
 
@@ -7,11 +8,11 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.rewritten.compare import Difference
 
 PREFIX = "${prefix}"
-"""Prefix of the names in a xacro."""
+"""The parameter with which names in a xacro begin; targets lack it."""
 
 
 def is_amended(difference: Difference, changes: Iterable[Amendment]) -> bool:
-    """Tells, by its element and attribute, whether a difference comes from these changes."""
+    """Tells whether a difference comes from one of these changes, by its element and attribute."""
     element = difference.finding.element.replace(PREFIX, "")
     return any(_is_of(difference, element, change) for change in changes)
 
@@ -19,12 +20,14 @@ def is_amended(difference: Difference, changes: Iterable[Amendment]) -> bool:
 def _is_of(difference: Difference, element: str, change: Amendment) -> bool:
     attribute = difference.finding.attribute
     if element == _element(change.target):
+        # An attribute is "pos", or "inertial pos" for an attribute of a child.
         words = attribute.split()
         return bool(words) and (words[-1] in change.sets or words[0] in change.added_tags)
+    # An added element has its own title, not that of the target.
     return difference.change == "added" and element in map(_element, change.adds)
 
 
 def _element(target: str) -> str:
-    """Returns the title, in findings, of a target such as "body torso"."""
+    """Returns the title that findings give to a target: `body "torso"` for "body torso"."""
     tag, _, name = target.partition(" ")
     return named(tag_of(tag), name)

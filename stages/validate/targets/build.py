@@ -1,4 +1,4 @@
-"""Checks a build for its targets."""
+"""Checks the files of a build for each of its targets."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,11 +15,14 @@ if TYPE_CHECKING:
 
 
 def check_targets(folder: Path, written: Written, target: "TargetSection") -> Iterator[Check]:
-    """Yields, for each target, the check of the file that it reads: what of it the engine does not take."""
+    """Yields, for each target, the check of the file that its engine reads. It fails if the file contains
+    anything that the engine does not support."""
     files = {form: f"{written.robot.name}{ending}" for form, ending in ENDINGS.items()}
     formats = [form for form, file in files.items() if (folder / file).exists()]
     for name, version in target.versions.items():
         form = ENGINES[name].format(formats)
+        # None: the build has no file in a format that the engine reads.
         if form is not None:
+            # Engines whose models MuJoCo compiles load the scene, which includes the robot.
             scene = form == "mjcf" and ENGINES[name].mujoco is not None
             yield from judge_file(name, folder / (SCENE if scene else files[form]), version, written)

@@ -3,7 +3,7 @@
 - actuators: Compares the actuators of a USD, in MuJoCo's own schema, with the robot's.
 - driving: Compares the joints of a USD with the robot's: resistance, start, drives and relations.
 - look_reader: Reads the materials of a USD, which give a shape its look and its friction.
-- looks: Compares the looks and the friction of a USD's shapes with the robot's.
+- looks: Compares the materials of a USD's shapes (colour, opacity, image, friction) with the robot's.
 - model: Compares a USD's units, placement, shapes and collisions with the robot's.
 - place_reader: Reads the frames and the cameras on the bodies of a USD, in metres and radians.
 - places: Compares the frames and cameras of a USD with the robot's.

@@ -1,4 +1,5 @@
-"""Compares the looks and the friction of a USD's shapes with those of the robot's shapes."""
+"""Compares the materials (colour, opacity, image, friction) of a USD's shapes with those of the robot's
+shapes."""
 
 from collections.abc import Iterator
 from pathlib import PurePosixPath
@@ -12,21 +13,22 @@ from linkwright.stages.validate.findings import differs
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape
 
 SINGLE_TOLERANCE = 1e-5
-"""Tolerance of colours and of coefficients of friction, which are in single precision; relative for
+"""Tolerance of colours and friction coefficients, which a USD has in single precision; relative for
 coefficients above 1."""
 
 
 def look_differences(
     element: str, shape_title: str, shape: ReadUsdShape, expected_shape: Shape
 ) -> Iterator[Finding]:
-    """Yields the differences of a shape's look and friction. `element`: the title of the body; `shape_title`:
-    the shape's role and number, such as "visual 2"."""
+    """Yields the differences of a shape's material. `element`: the title of the body in findings;
+    `shape_title`: the shape's role and number, such as "visual 2"."""
     if expected_shape.colour is not None and expected_shape.role == "visual":
         yield from _surface_differences(element, shape_title, shape, expected_shape)
     friction = expected_shape.contact.friction if expected_shape.contact is not None else None
     expected = {}
     if friction is not None:
-        # MuJoCo and the robot have one coefficient of sliding; UsdPhysics has a static and a dynamic one.
+        # MuJoCo and the robot have one coefficient of sliding; UsdPhysics has a static and a dynamic
+        # coefficient.
         slide, twist, roll = friction
         expected = dict.fromkeys(("physics:staticFriction", "physics:dynamicFriction"), slide)
         expected |= {"newton:torsionalFriction": twist, "newton:rollingFriction": roll}
@@ -43,8 +45,10 @@ def _surface_differences(
     """Yields the differences of the colour, the opacity and the image of a visual shape."""
     assert expected_shape.colour is not None
     rgb, look = linear(expected_shape.colour), shape.look
+    # As in the colour of a look: linear RGB, opacity, roughness.
     expected = (*rgb, expected_shape.colour[3], ROUGHNESS)
     attribute = f"{shape_title} material:binding"
+    # Only the first difference of a surface material is reported.
     if not look.colour:
         yield differs(element, attribute, "no surface material", expected)
     elif PurePosixPath(look.image).name != (expected_shape.texture or ""):
@@ -56,6 +60,7 @@ def _surface_differences(
 
 
 def _is_same(actual: float | None, expected: float | None) -> bool:
+    """Tells whether two coefficients are equal, or both missing."""
     if actual is None or expected is None:
         return actual is expected
     return abs(actual - expected) <= SINGLE_TOLERANCE * max(1.0, abs(expected))

@@ -9,7 +9,7 @@ from linkwright.stages.formats import xml
 from linkwright.stages.formats.xml import Element
 
 _WHITE = "1 1 1 1"
-"""Red, green, blue and opacity, as a DAE writes them."""
+"""White and opaque, as a DAE writes a colour: red, green, blue and opacity."""
 
 
 def cleaned(data: bytes) -> bytes:

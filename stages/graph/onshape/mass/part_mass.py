@@ -2,7 +2,7 @@
 
 Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of which the first nine are the
 nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs. A composite part
-has its own entry; the entries of its constituents are used only where these are in the assembly themselves. A
+has its own entry; the entries of its constituents are used only if these are in the assembly themselves. A
 sheet has no mass, unless the user gives it a mass.
 """
 
@@ -26,6 +26,7 @@ from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
 from linkwright.stages.robot.text.plural import count
 
 PartKey = tuple[StudioKey, str]
+"""A part studio and the id of a part in it."""
 
 
 class Weight(NamedTuple):
@@ -61,7 +62,7 @@ class Kind:
     overrides: PartMassSection
     occurrences: tuple[Occurrence, ...]
     weight: Weight | None
-    """CAD's; None if no reply has it."""
+    """The mass properties in CAD; None if no reply has them."""
     shape: PartShape | None = None
 
     @property
@@ -77,7 +78,7 @@ class Kind:
 
     @property
     def volume(self) -> float:
-        """CAD's, else that of its triangles; 0 if neither is known [m³]."""
+        """The volume [m³] in CAD, else of its triangles; 0 if neither is known."""
         cad_volume = self.weight[1] if self.weight else 0.0
         return cad_volume or (self.shape.volume if self.shape else 0.0)
 
@@ -97,7 +98,7 @@ def weighed(
     """Returns the mass properties of every part occurrence; problems are reported once for each kind of part.
 
     Reports E-BODY-TYPE, E-GLOB and E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
-    W-MASS-IGNORED, W-DENSITY. A part with a problem has no mass here.
+    W-MASS-IGNORED, W-DENSITY. A part with a problem gets mass 0.
     """
     kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
     # Triangles are read only for parts without a mass in CAD.
@@ -146,8 +147,8 @@ def _kinds(
 
 
 def _merged_overrides(entries: Sequence[PartMassSection]) -> PartMassSection:
-    """Returns the entries merged value by value, where the later entry wins; mass and density are one
-    value."""
+    """Returns the entries merged value by value: the later entry wins, and a mass replaces a density and vice
+    versa."""
     values: dict[str, object] = {}
     for entry in entries:
         set_values = {name: value for name, value in entry if value is not None}
@@ -237,7 +238,8 @@ def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection)
 
 
 def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
-    """Returns the kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
+    """Returns the kind's inertial with this mass [kg]: from the user's values, else CAD's, else those of its
+    triangles."""
     if mass < 0:
         text = f"its mass is {mass:.4g} kg"
         hint = "correct its material or its mass override in Onshape, or give its mass in mass.parts"
@@ -260,6 +262,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
 
 
 def _check_density(kind: Kind, log: Diagnostics) -> None:
+    """Reports W-DENSITY if the mass of a part does not fit its volume."""
     low, high = PLAUSIBLE_DENSITIES
     mass, volume = kind.mass, kind.volume
     if not mass or not volume or low <= mass / volume <= high:
@@ -279,7 +282,7 @@ def part_key(record: Mapping[str, str]) -> PartKey:
 def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
     """Returns the weight of every part in the bundle's replies.
 
-    A part without material has mass 0 there, and its volume all the same.
+    A part without a material has mass 0 in a reply, but a volume.
     """
     weights: dict[PartKey, Weight] = {}
     for studio in bundle.studios:

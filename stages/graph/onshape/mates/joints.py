@@ -23,9 +23,11 @@ JOINT_TYPES: Mapping[str, JointType] = {
     "PARALLEL": "parallel",
     "BALL": "ball",
 }
-"""Mate type → joint type. Onshape has no FIXED: it is a FASTENED mate that keeps its two links apart."""
+"""Mate type → joint type. FIXED is not a type of Onshape: it is a FASTENED mate between two links that are
+not merged."""
 
 MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
+"""Reverses the z axis of a frame."""
 
 
 def freedoms_of(mate_type: str) -> tuple[Freedom, ...]:
@@ -34,7 +36,7 @@ def freedoms_of(mate_type: str) -> tuple[Freedom, ...]:
 
 
 def limit_names(freedom: Freedom) -> tuple[str, str]:
-    """Returns the names in the API of a dof's lower and upper limit; "" for a limit that no mate has."""
+    """Returns the API's names of a dof's lower and upper limits; "" for a limit that mates do not have."""
     if freedom.kind == "ball":
         return "", "limitEulerConeAngleMax"
     axis = "XYZ"[freedom.axis.index(1)]
@@ -51,9 +53,9 @@ def dof_names(name: str, mate_type: str) -> tuple[str, ...]:
 def right_handed(first: Array, second: Array) -> tuple[Array, Array, bool]:
     """Returns the two frames (4, 4) of a mate, made right-handed, and whether both were mirrored.
 
-    Under a reflection S a slide's axis becomes S·z and a turn's −S·z: with both frames' z reversed the turns
-    keep their axis, and the axis of a slide along z is reversed. A single left-handed frame has its y
-    reversed, as mates align x and z.
+    A reflection S maps the axis z of a slide to S·z, but that of a turn to −S·z. So if both frames are
+    left-handed, their z are reversed: turns keep their axis, and `dofs_of` reverses the axis of a slide along
+    z. If only one frame is left-handed, its y is reversed, since mates align x and z.
     """
     hands = [np.linalg.det(frame[:3, :3]) > 0 for frame in (first, second)]
     if not any(hands):
@@ -70,14 +72,15 @@ def dofs_of(
     mirrored: bool = False,
     origin: LimitOrigin = AS_TYPED,
 ) -> tuple[Dof, ...]:
-    """Returns the dofs of a mate whose first entity is at `relative` (4, 4) in its second, both
-    right-handed."""
+    """Returns the dofs of a mate whose first entity is at `relative` (4, 4) in its second, both right-handed.
+    `mirrored`: whether `right_handed` mirrored both frames."""
     dofs = []
     for dof_name, freedom in zip(dof_names(name, mate_type), freedoms_of(mate_type), strict=True):
         axis = np.array(freedom.axis, dtype=float)
         if mirrored and freedom.kind == "slide":
             axis = MIRRORED[:3, :3] @ axis
         low, high = limit_names(freedom)
+        # Adding 0.0 turns a -0.0 in the axis into 0.0.
         dofs.append(
             Dof(
                 name=dof_name,

@@ -1,12 +1,15 @@
-"""Finds what supports the seeds of a pattern, and so their copies, and which instances the seeds carry.
+"""Finds the support and the dependents of a pattern's seeds.
 
-A copy of a wheel is mounted on the same axle as its seed, but the cap on the seed is not mounted on the copy
-as well. Without the seeds the assembly falls into pieces. The support is the piece with the assembly's origin
-or with a fixed instance, else the piece with the most parts. Whether a seed itself is fixed does not matter:
-its copies are not.
+A seed is an instance that the pattern copies. The support is what the seeds, and so their copies, are mounted
+on. Dependents are instances that only the seeds hold. Each copy of a wheel, for example, is mounted on the
+axle of its seed, the support; the hub cap on the seed, a dependent, is not mounted on the copies.
 
-A pattern repeats the mates of its own assembly. Where none of these holds the seed, the mates of the
-assembly around it place the seed, so they place its copies too.
+If the seeds are taken out, the assembly falls into pieces. The support is the piece that contains the
+assembly's origin or a fixed instance, else the piece with the most parts. A seed that is fixed itself still
+needs a support, since its copies are not fixed.
+
+A pattern repeats the mates of its own assembly. If none of these holds the seed, the mates of an enclosing
+assembly place the seed, so they place its copies too.
 """
 
 from collections import Counter
@@ -41,10 +44,10 @@ class Support:
     """Occurrences in the seeds that are rigidly joined to the support. Their other mates do not support them,
     but carry other instances."""
     inner_title: str = ""
-    """Title of the feature of the pattern's own assembly that holds a seed, if a feature of an assembly
-    around it holds a seed too; else ""."""
+    """Title of a feature of the pattern's own assembly that holds a seed, if an enclosing assembly has such a
+    feature too; else ""."""
     outer_title: str = ""
-    """Title of that feature of an assembly around it; else ""."""
+    """Title of the enclosing assembly's feature; else ""."""
 
 
 class SupportSearch:
@@ -90,16 +93,19 @@ class SupportSearch:
     def support(self, seeds: Collection[Path], owner: Path, rigid: Collection[Path]) -> Support:
         """Returns the support of `seeds`, which are instances of `owner`.
 
-        The features of `owner` decide; if none of them holds a seed, those of the nearest assembly around it
-        that hold one. `rigid`: assemblies without inner motion, including copies.
+        The features of `owner` decide. If none of them holds a seed, the features of the nearest enclosing
+        assembly with such a feature decide. `rigid`: assemblies without inner motion, including copies.
         """
         return _SeedSearch(self, frozenset(seeds), owner, rigid).support()
 
     def holds(self, copy: Path, owner: Path, level: Path, members: Collection[Path]) -> bool:
-        """Tells whether features of `level` support `copy`, an instance of `owner`: whether they join it to a
-        piece that contains the origin or another of the `members` (seeds and copies). Otherwise they join it
-        only to instances that it carries."""
+        """Tells whether features of `level` support `copy`, an instance of `owner`.
+
+        They do if they join it to a piece that contains the origin, or another of the `members` (seeds and
+        copies). All other instances that they join to it are carried by it.
+        """
         pieces = self.pieces(frozenset([copy]), owner, level)
+        # `pieces[level]` is the piece that contains the origin.
         supporting_pieces = {pieces[level], *(pieces[member] for member in members if member != copy)}
         return any(
             pieces[node] in supporting_pieces
@@ -108,8 +114,8 @@ class SupportSearch:
         )
 
     def pieces(self, excluded: frozenset[Path], owner: Path, level: Path) -> nx.utils.UnionFind:
-        """Returns the pieces that the assemblies from `level` down to `owner` form without the instances
-        `excluded`. Fixed instances belong to the piece of the origin of `level`."""
+        """Returns the pieces into which the assemblies from `level` down to `owner` fall if the instances
+        `excluded` are taken out. Fixed instances belong to the piece of the origin of `level`."""
         pieces = nx.utils.UnionFind([level])
         for depth in range(len(level), len(owner) + 1):
             for feature in self.features.get(owner[:depth], ()):
@@ -158,8 +164,8 @@ class _SeedSearch:
     def _fastened(
         self, level: Path, dependents: frozenset[Path], holding: Collection[Feature]
     ) -> frozenset[Path]:
-        """Returns the occurrences in the seeds that the features `holding` join rigidly to the support; empty
-        if all of `holding` are rigid, since the seeds then have no other mates."""
+        """Returns the occurrences in the seeds that rigid features of `holding` join to the support; empty if
+        all of `holding` are rigid, since there are then no other mates to tell apart."""
         rigid_features = [
             feature
             for feature in holding
@@ -197,7 +203,7 @@ class _SeedSearch:
 
     def _dependents(self, level: Path) -> frozenset[Path]:
         """Returns the instances (see `node_of`) that features of `level` join to the seeds and that nothing
-        else supports; empty if two pieces with equally many parts could be the support."""
+        else supports; empty if the support is ambiguous, since two pieces have the most parts."""
         neighbours = {
             node
             for seed in self.seeds
@@ -222,7 +228,7 @@ class _SeedSearch:
 
 def node_of(occurrence: Path, owner: Path) -> Path:
     """Returns the instance that contains an occurrence: an instance of `owner` if the occurrence is inside
-    it, else one of the innermost assembly that contains both."""
+    it, else an instance of the innermost assembly that contains both."""
     common = 0
     while common < min(len(occurrence), len(owner)) and occurrence[common] == owner[common]:
         common += 1

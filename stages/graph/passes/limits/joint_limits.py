@@ -18,8 +18,8 @@ LARGEST: Mapping[DofKind, tuple[float, str, str, str]] = {
     "turn": (4 * math.pi, "rad", "degrees", "deg"),
     "slide": (10.0, "m", "millimetres", "mm"),
 }
-"""Kind of a dof → the largest value that is plausible without a unit [rad or m], the unit, and what a larger
-value looks like."""
+"""Kind of a dof → the largest value that is plausible without a unit, its unit, the unit that a larger value
+suggests, and that unit's abbreviation."""
 
 
 def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
@@ -30,10 +30,11 @@ def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
 
 
 def with_properties(robot: Robot, sections: Mapping[str, JointSection], log: Diagnostics) -> Robot:
-    """Returns the robot with its dofs as the key `joints` has them: later entries win, field by field.
+    """Returns the robot with the limits and dynamics that the key `joints` gives to its dofs. Later entries
+    win, field by field.
 
     Globs match names of dofs, those of loops too. Reports E-GLOB for a glob that matches no dof, E-JOINT for
-    limits that do not suit the dof. A saved turn is then moved by whole turns into its limits, where that is
+    limits that do not suit the dof. Saved values of turns are then moved into the limits by whole turns, if
     possible.
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
@@ -46,6 +47,7 @@ def with_properties(robot: Robot, sections: Mapping[str, JointSection], log: Dia
 
 
 def _check_glob(glob: str, keys: JointSection, dofs: Sequence[Dof], robot: Robot, log: Diagnostics) -> None:
+    """Reports E-GLOB for a glob that matches no dof, and E-JOINT for limits that do not suit the dofs."""
     if not dofs:
         joints: list[Joint | Loop] = [*robot.joints, *robot.loops]
         names = ", ".join(dof.name for joint in joints if fits(joint.name, glob) for dof in joint.dofs)
@@ -116,8 +118,8 @@ def _check_gear(
 
 
 def _report_idle(glob: str, keys: JointSection, loops: Sequence[Loop], log: Diagnostics) -> None:
-    """Reports W-LOOP-DYNAMICS for dynamics of a dof that no simulation has; "*" means only the simulated
-    dofs."""
+    """Reports W-LOOP-DYNAMICS for dynamics of dofs that are not simulated. The glob "*" means only the
+    simulated dofs, so it is not reported."""
     quantities = [key for key in (*Dynamics.__slots__, "rotor_inertia") if getattr(keys, key) is not None]
     idle = [dof.name for loop in loops if loop.type in POINTWISE for dof in loop.dofs]
     idle = [name for name in idle if fits(name, glob)]
@@ -152,6 +154,7 @@ def _with_sections(dof: Dof, sections: Mapping[str, JointSection]) -> Dof:
             keys.rotor_inertia if keys.rotor_inertia is not None else None if "armature" in values else rotor
         )
     if rotor is not None and dof.kind in ("turn", "slide"):
+        # An inertia at the rotor acts on the joint with the square of the gear.
         dynamics = replace(dynamics, armature=rotor * gear**2)
         by_name["armature"] = by_rotor
     named_entries = tuple(sorted(name for name, by_own_name in by_name.items() if by_own_name))

@@ -8,8 +8,7 @@
   its whole hull.
 - false_contact: Checks that the robot's colliders touch each other where the visual shapes do, at poses
   within limits.
-- reach: Checks that each joint moves over its whole range by itself without bringing two links into each
-  other.
+- reach: Checks that no two links collide while a single joint moves over its whole range.
 - self_contact: Checks that no excluded links touch at `home`, and no links whose contact was not reported.
 - shapes: Checks that each body has the shapes of its links: their number, places and sizes.
 - start: Checks that nothing is inside something else when a simulation starts: at `home`, or at qpos0 after a

@@ -12,19 +12,19 @@ from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
 from linkwright.stages.validate.findings import few, named
 
 POSES = 300
-"""Number of poses sampled in the robot's range, in addition to `home`."""
+"""Largest number of poses sampled in the robot's range, in addition to `home`."""
 
 MAX_LINK_POSES, MIN_POSES = 20_000, 4
-"""Largest product of links and poses, which bounds the time for large robots, and smallest number of
-poses."""
+"""Largest product of links and poses, to bound the time for large robots; and the smallest number of poses in
+spite of it."""
 
 MIN_SHARE, MIN_COUNT = 0.01, 3
 """A pair is reported if its contact is wrong in more than this share of the poses, and in at least this
 number of poses."""
 
 ERROR_SHARE = 0.2
-"""Share of the poses above which a wrong pair is an error, since the colliders do not represent the robot.
-The pair stays a warning if its colliders or its exclude are the user's or the source's choice."""
+"""A pair that is wrong in more than this share of the poses is an error: its colliders do not represent the
+robot. It stays a warning if the user or the source chose its colliders, or if it is excluded."""
 
 CHOSEN_REASONS = ("Source", "User")
 """Reasons of excludes that the source or the user chose: these links may pass through each other."""
@@ -78,13 +78,14 @@ def _is_wrong(pair: PairErrors, poses: int) -> bool:
 
 
 def _share(pair: PairErrors, poses: int) -> float:
-    """Returns the share of the poses in which the contact of a pair is wrong."""
+    """Returns the share of the poses in which the contact of a pair is wrong: false, or missed, if that is
+    more."""
     return max(pair.false, pair.missed) / max(1, poses)
 
 
 def _is_chosen(compiled: CompiledModel, pair: PairErrors) -> bool:
-    """Tells whether the colliders of either body are the user's or the source's choice, or the exclude was
-    reported when it was made."""
+    """Tells whether the user or the source chose the colliders of either body, or the pair is excluded, which
+    was reported when it was excluded."""
     geometry = compiled.geometry
     assert geometry is not None
     bodies = {compiled.model.body(body).name for body in pair.bodies}

@@ -1,4 +1,4 @@
-"""Checks that each joint moves over its whole range by itself without bringing two links into each other.
+"""Checks that no two links collide while a single joint moves over its whole range.
 
 The other joints stay at `home`, except those that follow by a relation or a closed loop. Links that touch at
 `home` already are ignored.
@@ -43,21 +43,21 @@ HEADER = ("joint", "link", "other link", "from, rad or m", "deepest at, rad or m
 
 @dataclass(slots=True)
 class Meeting:
-    """The values of a joint at which its motion brings two links together."""
+    """The values of a joint at which two links collide."""
 
     first: float
-    """The first such value [rad, m], going out from `home`."""
+    """The first such value [rad or m] on the way from `home`."""
 
     deepest: float
-    """The value [rad, m] of the deepest overlap."""
+    """The value [rad or m] of the deepest overlap."""
 
     depth: float
     """The depth [m] of the deepest overlap."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Sweeps the joints of robots with colliders. Free bases, balls and slides without limits have no
-    range."""
+    """Sweeps the joints of robots with colliders. Free bases, balls and slides without limits have no range,
+    and are not swept."""
     model = compiled.model
     if not np.any(model.geom_contype) and not np.any(model.geom_conaffinity):
         return
@@ -102,7 +102,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
-    """Returns the joints to sweep, an even sample of all, and the number of steps for each."""
+    """Returns the joints to sweep and the number of steps for each, as `MAX_BODY_POSES` allows: of thousands
+    of joints, an even sample."""
     poses = max(MIN_STEPS, MAX_BODY_POSES // bodies)
     steps = max(MIN_STEPS, min(STEPS, poses // max(1, len(joints))))
     return joints[:: math.ceil(len(joints) * steps / poses) or 1], steps
@@ -118,8 +119,8 @@ def _swept(
     steps: int,
 ) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
     """Sweeps a joint from its value in the pose `start` (nq,), whose equalities are closed, to the low end
-    and to the high end of its range. Returns the pairs of bodies that meet, each with the end towards which
-    they do, and the number of poses tried."""
+    and to the high end of its range. Returns the collisions by pair of bodies and end of the range, and the
+    number of poses tried."""
     meetings: dict[tuple[tuple[int, int], float], Meeting] = {}
     value = start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
@@ -146,7 +147,7 @@ def _swept(
 
 def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
     """Returns the ends between which a joint is swept. A missing limit is written as a huge number: a hinge
-    is then swept over at most one turn, and a slide not at all."""
+    is then swept by at most one turn, and a slide not at all, towards that limit."""
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
     if model.jnt_type[joint] == HINGE:
         return max(low, value - TURN), min(high, value + TURN)

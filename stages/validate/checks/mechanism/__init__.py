@@ -9,7 +9,7 @@
   freedom.
 - loops: Checks that an MJCF closes the robot's loops by the right equalities, between the right bodies and
   frames.
-- mass_ratio: Checks that no body is thousands of times heavier than its neighbour, or nearly massless by
+- mass_ratio: Checks the mass ratio of neighbouring bodies, and finds bodies that are nearly massless by
   accident.
 - masses: Checks that the mass, centre of mass and inertia of each link are those of its parts in CAD.
 - motion: Checks that the model moves as the robot does, by its links and frames at spread values of the dofs.
@@ -17,6 +17,6 @@
   and dynamics from each file.
 - placement: Checks that the robot is where the build put it: its root, and the free base in each keyframe.
 - poses: Checks that every part is where CAD's occurrence has it, at the saved configuration.
-- relations: Checks that the relations of joints are the robot's, with their numbers.
+- relations: Checks that a file has the robot's relations, with the same numbers, and enforces them stiffly.
 - urdf_shapes: Checks that each link of a URDF has the robot's shapes: their number, files, sizes and poses.
 """

@@ -1,4 +1,4 @@
-"""Checks that no body is a thousand times as heavy as its neighbour, or nearly massless by accident."""
+"""Checks the mass ratio of neighbouring bodies, and finds bodies that are nearly massless by accident."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -11,11 +11,11 @@ MAX_RATIO = 1000.0
 """Ratio of the masses of two bodies that a joint connects, above which solvers converge slowly."""
 
 MIN_MASS = 1e-4
-"""Mass [kg] below which a body is reported, unless CAD says so: it may be a stand-in that engines handle
-badly."""
+"""Mass [kg] below which a body is reported, unless its link has that mass: it may be a placeholder, which
+engines simulate badly."""
 
 MASS_TOLERANCE = 1e-6
-"""Relative tolerance within which a body has the mass that CAD gives."""
+"""Relative tolerance within which a body has the mass of its link."""
 
 
 class _NeighbourPair(NamedTuple):
@@ -29,7 +29,7 @@ class _NeighbourPair(NamedTuple):
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Checks the mass ratio of neighbouring bodies, and that no body is nearly massless unless CAD says so.
+    """Checks the mass ratio of neighbouring bodies, and that no body is nearly massless unless its link is.
     Both results are warnings if they fail."""
     bodies = [body for body in range(1, compiled.model.nbody) if compiled.model.body_mass[body] > 0.0]
     if bodies:
@@ -88,6 +88,7 @@ def _is_intended(compiled: CompiledModel, body: int) -> bool:
     """Tells whether the link of this name has this mass, or the body carries the dofs of a loop, and so has
     only a share of a link's mass."""
     name, mass = compiled.model.body(body).name, float(compiled.model.body_mass[body])
+    # The MJCF export adds these bodies: see `export/mjcf/loops.py`.
     carriers = {f"{loop.name}_carrier" for loop in compiled.robot.loops}
     masses = [link.inertial.mass for link in compiled.robot.links if link.name == name]
     return name in carriers or any(abs(expected - mass) <= MASS_TOLERANCE * expected for expected in masses)

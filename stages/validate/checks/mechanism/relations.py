@@ -1,4 +1,5 @@
-"""Checks that the relations of joints in a file are the robot's, with their numbers."""
+"""Checks that a file has the robot's relations, with the same multipliers and offsets, and enforces them
+stiffly."""
 
 from collections.abc import Iterator
 
@@ -14,7 +15,7 @@ from linkwright.stages.validate.read.compiled import read_compiled
 from linkwright.stages.validate.same.relations import relations
 
 SOLREF = (0.005, 1.0)
-"""Solver reference of relations: time constant [s] and damping ratio."""
+"""Expected `solref` of relations: time constant [s] and damping ratio."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -29,6 +30,7 @@ def _stiffness_check(compiled: CompiledModel) -> Check:
     """Checks that relations are enforced as stiffly as loops."""
     model, findings = compiled.model, list[Finding]()
     source_attributes = (compiled.robot.mjcf or NO_EXTRAS).attributes_of("equality")
+    # The surplus equalities, which the user or the source adds, come last.
     for index in range(model.neq - compiled.surplus.equalities):
         if model.eq_type[index] == mujoco.mjtEq.mjEQ_JOINT:
             name = model.equality(index).name

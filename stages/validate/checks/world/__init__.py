@@ -4,8 +4,8 @@
   keyframe.
 - keyframes: Checks the keyframes: the saved pose as `cad`, where loops and relations hold, `home`, and the
   user's own.
-- options: Checks that the simulated world has weight, contact and joints that hold, and a short enough time
-  step.
+- options: Checks that gravity, contacts, constraints and actuators are enabled, and that the time step is
+  short enough.
 - scene: Checks that nothing in the scene changes the robot of the MJCF.
 - sensors: Checks that each sensor measures its target at its place, and that each camera is at its place.
 - source_elements: Checks that the MJCF and its scene have the elements that only an MJCF source has, as

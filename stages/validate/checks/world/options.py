@@ -1,6 +1,8 @@
-"""Checks that the simulated world has weight, contact and joints that hold, and a short enough time step.
+"""Checks that gravity, contacts, constraints and actuators are enabled in the simulation, and that its time
+step is short enough.
 
-Its findings are warnings: a user may want no weight. The trial run shows which steps are too long.
+Its findings are warnings, since a user may want no gravity. Whether a time step is too long for a robot shows
+in the trial run.
 """
 
 from collections.abc import Iterator
@@ -23,13 +25,15 @@ FLAGS = {
     "gravity": mujoco.mjtDisableBit.mjDSBL_GRAVITY,
     "actuation": mujoco.mjtDisableBit.mjDSBL_ACTUATION,
 }
+"""Flag of an MJCF → its bit in `disableflags`."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Checks the file that is simulated, except for options that an MJCF source sets."""
+    """Checks the options of the simulated file, except those that an MJCF source sets."""
     options, extras = compiled.model.opt, compiled.robot.mjcf or NO_EXTRAS
     of_source = {*dict(extras.option), *dict(extras.flag)}
     findings = []
+    # Unlike `>= 0`, this also reports NaN.
     if not options.gravity[2] < 0:
         message = f"is {shown(options.gravity)} m/s², expected to point downwards, along -z"
         findings.append(Finding("option", "gravity", message))
