@@ -248,7 +248,7 @@ def test_hydras_account_has_what_was_typed_and_what_all_jobs_start_from(tmp_path
     plans_of("-m", *typed)
     account = yaml.safe_load((tmp_path / "outputs" / "arm.sweep" / "multirun.yaml").read_text())
     assert account["hydra"]["overrides"]["task"] == typed
-    assert account["source"] == {"kind": "sample"}
+    assert account["source"] == {"kind": "sample", "robot": "sample"}
 
 
 def test_the_environment_of_jobs_is_that_of_the_sweep(tmp_path):
