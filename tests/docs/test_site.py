@@ -112,16 +112,22 @@ def test_the_search_works_from_disk(browser, site):
     browser.size(1280, 900)
     browser.open(site / "index.html")
     browser.run(
-        "document.querySelector('.md-search__button').click(); await new Promise((r) => setTimeout(r, 500))"
+        "document.querySelector('.md-search__button').click();"
+        "const focus = (e) => e?.shadowRoot ? focus(e.shadowRoot.activeElement) : e;"
+        "for (let i = 0; i < 100 && focus(document.activeElement)?.tagName !== 'INPUT'; i++)"
+        "  await new Promise((r) => setTimeout(r, 100));"
     )
     browser.keys("C-FALSE-CONTACT")
+    # Hits of the first letters are shown while the others are typed.
     shown = browser.run(
+        "let hits = [];"
         "const hosts = () => [...document.querySelectorAll('*')].filter((e) => e.shadowRoot);"
         "for (let i = 0; i < 300; i++) {"
-        "  const hits = hosts().flatMap((e) => [...e.shadowRoot.querySelectorAll('a[href]')]);"
-        "  if (hits.length) return hits.map((hit) => hit.href);"
+        "  const links = hosts().flatMap((e) => [...e.shadowRoot.querySelectorAll('a[href]')]);"
+        "  hits = links.map((hit) => hit.href);"
+        "  if (hits.some((address) => address.includes('checks.html'))) break;"
         "  await new Promise((r) => setTimeout(r, 100));"
-        "} return []"
+        "} return hits"
     )
     assert any("checks.html" in address for address in shown), shown
 
