@@ -117,7 +117,12 @@ class Browser:
         """Opens a file from disk, and waits until the view has started or said why it does not."""
         self.page = page
         self._post(f"{self.path}/url", {"url": page.as_uri()})
-        self.run("await window.linkwright?.ready")
+        # The answer to a navigation may come before the page's scripts have run.
+        self.run(
+            "for (let i = 0; i < 300 && document.readyState !== 'complete'; i++)"
+            "  await new Promise((done) => setTimeout(done, 100));"
+            "await window.linkwright?.ready"
+        )
 
     def leave(self):
         """Closes the page."""
