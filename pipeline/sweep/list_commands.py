@@ -115,13 +115,14 @@ def _fetch(request: _Request) -> int | CommandDocument:
     """Fetches the sources of all jobs, and writes the list with the states that were fetched."""
     path, failed = request.path, list[str]()
     with listed_jobs.opened(path) as job_list_:
+        pinned = job_list_
         if job_list_.sources:
             pinned, failed = listed_jobs.fetch(
                 job_list_, (lambda _: None) if request.is_quiet else print_line
             )
         elif not request.is_quiet:
             say(f"{path}: nothing to fetch: the sources of all jobs are on this computer")
-    if job_list_.sources and pinned != job_list_:
+    if pinned != job_list_:
         job_list.write(path, pinned)
     for line in failed:
         say(f"error: {line}", sys.stderr)
