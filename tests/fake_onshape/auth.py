@@ -4,7 +4,6 @@ import base64
 import hashlib
 import hmac
 import re
-from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from email.utils import parsedate_to_datetime
 
@@ -15,11 +14,11 @@ _CLOCK = timedelta(minutes=5)
 class Gate:
     """Lets in who has the API key `keys` (access, secret) or the bearer `token`; a nonce serves once."""
 
-    def __init__(self, keys: tuple[str, str], token: str) -> None:
+    def __init__(self, keys, token):
         self.keys, self.token = keys, token
-        self._nonces: set[str] = set()
+        self._nonces = set()
 
-    def refuses(self, method: str, target: str, headers: Mapping[str, str]) -> str:
+    def refuses(self, method, target, headers):
         """Why a request is not let in; nothing if it is."""
         header = headers.get("Authorization", "")
         if header == f"Bearer {self.token}":

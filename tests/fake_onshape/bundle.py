@@ -6,7 +6,6 @@ import json
 import zipfile
 from urllib.parse import quote, urlencode
 
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.elements import Mate
 from tests.fake_onshape.replies import NEWEST, RESOLVED, Replies
 
@@ -22,7 +21,7 @@ def canonical(path, query):
     return f"{path}?{urlencode(sorted(texts.items()), quote_via=quote, safe='')}"
 
 
-def requests(document: Document, tessellation=None):
+def requests(document, tessellation=None):
     """(the definition's request, the part studios' requests), pinned and canonical."""
     root = document.root
     flags = dict.fromkeys(("includeMateConnectors", "includeMateFeatures", "includeNonSolids"), True)
@@ -46,7 +45,7 @@ def requests(document: Document, tessellation=None):
     return definition, sorted(asked)
 
 
-def lists_of_features(document: Document):
+def lists_of_features(document):
     """The requests for features of all assemblies with a mate that moves, pinned and canonical."""
     places = [place.instance for place in document.truth.places.values()]
     used = {(i.source, i.configuration) for i in places if not i.is_part} | {(document.root, "default")}
@@ -61,7 +60,7 @@ def lists_of_features(document: Document):
     return sorted(asked)
 
 
-def bundle_bytes(document: Document, tessellation=None, **options) -> bytes:
+def bundle_bytes(document, tessellation=None, **options):
     """The zip of a document: `manifest.json` and `replies/<sha256>`.
 
     `tessellation`: {"angleTolerance": rad, "chordTolerance": m}; `options`: those of `Replies`. From a

@@ -3,12 +3,11 @@
 import random
 
 from tests.fake_onshape import settings
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.elements import Connector, Group, Mate, Relation
 from tests.fake_onshape.mates import FREEDOMS, bounds
 
 
-def definition(document: Document, *, configuration="default", shuffle=None, limits=True):
+def definition(document, *, configuration="default", shuffle=None, limits=True):
     """The definition as plain data.
 
     `shuffle`: a seed that reorders instances, occurrences, features, patterns and parts (they mean the same).

@@ -40,7 +40,7 @@ def arm_angles(xyz):
     return angles
 
 
-def delta_document() -> Document:
+def delta_document():
     """The robot: 27 parts, 3 hinges, 12 ball mates, five of which close loops. A connector at the tool."""
     document = Document("Delta robot")
     robot = document.assembly("Delta robot")

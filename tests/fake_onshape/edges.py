@@ -173,7 +173,7 @@ def _joint_name(words, owner, mate):
 
 def weld_leaders(places, edges):
     """A function that gives all occurrences that edges join, directly or not, the same leader."""
-    leader: dict[Path, Path] = {path: path for path in [(), *places]}
+    leader = {path: path for path in [(), *places]}
     for edge in edges:
         leader[find_leader(leader, edge.first)] = find_leader(leader, edge.second)
     return lambda path: find_leader(leader, path)

@@ -6,7 +6,6 @@ import struct
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from http.server import BaseHTTPRequestHandler
 
 PIECE = 512
 """A slow body comes in pieces of this many bytes."""
@@ -34,7 +33,7 @@ class Fault:
     endless: bool = False
 
     @property
-    def ends(self) -> bool:
+    def ends(self):
         """Whether the connection ends with this reply."""
         return self.cut is not None or bool(self.claimed) or self.reset or self.silent or self.endless
 
@@ -42,9 +41,7 @@ class Fault:
 FaultHook = Callable[[str, str, int], Fault | None]
 
 
-def send(
-    handler: BaseHTTPRequestHandler, status: int, headers: Mapping[str, str], body: bytes, fault: Fault
-) -> None:
+def send(handler, status, headers, body, fault):
     """Writes a reply as `fault` has it; a client that has hung up meanwhile is no error."""
     try:
         if not fault.silent:

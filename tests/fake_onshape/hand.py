@@ -26,7 +26,7 @@ def bend(x=0.0, y=0.0, z=0.0):
     return frame((x, y, z), x=(1, 0, 0), z=(0, 1, 0))
 
 
-def hand_document() -> Document:
+def hand_document():
     """The robot: 31 parts, 15 hinges, nine of which follow by relations. Connectors at palm and thumb."""
     document = Document("Hand")
     hand = document.assembly("Hand")

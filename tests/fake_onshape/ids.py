@@ -4,21 +4,21 @@ import base64
 import hashlib
 
 
-def _digest(names: tuple[str, ...]) -> bytes:
+def _digest(names):
     return hashlib.sha256("\x1f".join(names).encode()).digest()
 
 
-def hex_id(*names: str) -> str:
+def hex_id(*names):
     """A document, workspace, version, microversion or element id: 24 hex digits."""
     return _digest(names).hex()[:24]
 
 
-def node_id(*names: str) -> str:
+def node_id(*names):
     """An instance or feature id: 17 characters, "M" first; some hold "/" or "+"."""
     return "M" + base64.b64encode(_digest(names)).decode()[:16]
 
 
-def deterministic_id(taken: set[str], *names: str) -> str:
+def deterministic_id(taken, *names):
     """A part or face id, short: "JHD", "Jj/", "R+bD"; not one of `taken`."""
     text = base64.b64encode(_digest(names)).decode()
     for length in range(2, 20):

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tests.fake_onshape.copies import copied_poses, copy_edges, level_of
-from tests.fake_onshape.document import Document
-from tests.fake_onshape.edges import Coupling, Dof, Edge, Path, Place, coupling, find_leader, weld_leaders
-from tests.fake_onshape.elements import Group, Mate, Pattern, Relation
+from tests.fake_onshape.edges import Edge, Path, Place, coupling, find_leader, weld_leaders
+from tests.fake_onshape.elements import Group, Mate, Relation
 from tests.fake_onshape.frames import inverse, product
 from tests.fake_onshape.mates import joined, split
 
@@ -30,15 +29,15 @@ class Tree:
     and the last, if given, the redundant ones. ValueError where a loop has no mate with `closing=True`.
     """
 
-    def __init__(self, document: Document, cut=None):
+    def __init__(self, document, cut=None):
         self.document = document
-        self.places: dict[Path, Place] = {}
-        self.edges: list[Edge] = []
-        self.redundant: list[Edge] = []
-        self.relations: list[Coupling] = []
-        self.patterns: list[tuple[Path, Pattern]] = []
-        self.held: list[Path] = []
-        self._placed: dict[Path, np.ndarray] = {}
+        self.places = {}
+        self.edges = []
+        self.redundant = []
+        self.relations = []
+        self.patterns = []
+        self.held = []
+        self._placed = {}
         self._flatten(document.root, (), "")
         self._index()
         # What is inside a copied sub-assembly must be there before the copy is; what holds a copied
@@ -106,7 +105,7 @@ class Tree:
     def components(self, root=None):
         """[(head, steps)]: each connected part of the tree; a parent is hung before its children."""
         if root not in self._components:
-            around: dict[Path, list[tuple[Path, Edge, bool]]] = {path: [] for path in [(), *self.places]}
+            around = {path: [] for path in [(), *self.places]}
             for edge in self.edges:
                 if not edge.closing:
                     around[edge.first].append((edge.second, edge, False))
@@ -131,7 +130,7 @@ class Tree:
     def welds(self):
         """Sets of paths (parts, sub-assemblies, () for the world) that move as one."""
         find = weld_leaders(self.places, [edge for edge in self.edges if not edge.moves])
-        sets: dict[Path, set[Path]] = {}
+        sets = {}
         for path in [(), *self.places]:
             sets.setdefault(find(path), set()).add(path)
         return list(sets.values())
@@ -212,11 +211,11 @@ class Tree:
         self.joints = [edge for edge in self.edges if edge.moves]
         self.tree_joints = [edge for edge in self.joints if not edge.closing]
         self.closings = [edge for edge in self.edges if edge.closing]
-        self.dofs: list[Dof] = [dof for joint in self.tree_joints for dof in joint.dofs]
+        self.dofs = [dof for joint in self.tree_joints for dof in joint.dofs]
         mates = [edge for edge in (*self.edges, *self.redundant) if edge.feature]
         self._by_name = {edge.name: edge for edge in mates}
         self._by_key = {key: edge for edge in mates for key in edge.keys}
-        self._components: dict[Path | None, list[tuple[Path, list[Step]]]] = {}
+        self._components = {}
 
     def _head_pose(self, head, poses):
         pose = self._placed.get(head)
@@ -224,7 +223,7 @@ class Tree:
         return product(poses.get(head[:-1], np.eye(4)), pose)
 
     def _check_tree(self):
-        leader: dict[Path, Path] = {path: path for path in [(), *self.places]}
+        leader = {path: path for path in [(), *self.places]}
         for edge in (edge for edge in self.edges if not edge.closing):
             first_leader, second_leader = find_leader(leader, edge.first), find_leader(leader, edge.second)
             if first_leader == second_leader:

@@ -13,7 +13,7 @@ import numpy as np
 from tests.fake_onshape.document import Assembly
 from tests.fake_onshape.elements import Mate, Relation, Studio
 from tests.fake_onshape.mates import FREEDOMS, bounds
-from tests.fake_onshape.replies import RefusedError, Replies, Reply, error_body
+from tests.fake_onshape.replies import RefusedError, Reply, error_body
 from tests.fake_onshape.studio_replies import mass_properties
 
 _AT = "/d/(?P<did>[0-9a-f]{24})/(?P<kind>[wvm])/(?P<wvmid>[0-9a-f]{24})/e/(?P<eid>[0-9a-f]{24})"
@@ -37,10 +37,10 @@ class PeerReplies:
     `origin`: scheme and host that redirects lead to.
     """
 
-    def __init__(self, replies: Replies, origin: str):
+    def __init__(self, replies, origin):
         self.replies, self.document, self.origin = replies, replies.document, origin
 
-    def answer(self, path: str, query: str = "") -> tuple[Reply, dict[str, str]]:
+    def answer(self, path, query=""):
         """The reply to GET /api`path`?`query`, and headers of its own."""
         for name, pattern in _PATTERNS.items():
             match = pattern.match(unquote(path))

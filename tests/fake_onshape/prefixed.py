@@ -13,7 +13,7 @@ LIKE_THEIRS = {"crank_link": "crank", "rod_link": "rod"}
 """Links that we call otherwise: the tool lets a joint have the name of a link."""
 
 
-def prefixed() -> Document:
+def prefixed():
     """Thirteen instances in ten links: each prefix, both orders of entities, and values other than 0."""
     document = Document("Prefixed")
     studio = document.studio("Parts")

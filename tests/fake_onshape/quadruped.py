@@ -38,7 +38,7 @@ def roll(x=0.0, y=0.0, z=0.0):
     return frame((x, y, z), x=(0, 1, 0), z=(1, 0, 0))
 
 
-def quadruped_document() -> Document:
+def quadruped_document():
     """42 parts, 12 joints: abduction, hip and knee of each leg; feet are fastened. An IMU's connector."""
     document = Document("Quadruped")
     servo = shapes.servo_part(document.library("Dynamixel servos").studio("MX-106"))

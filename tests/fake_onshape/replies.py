@@ -11,7 +11,7 @@ from urllib.parse import parse_qsl, unquote
 
 from tests.fake_onshape import settings
 from tests.fake_onshape.definition import definition
-from tests.fake_onshape.document import Assembly, Document
+from tests.fake_onshape.document import Assembly
 from tests.fake_onshape.elements import Studio
 from tests.fake_onshape.feature_replies import features
 from tests.fake_onshape.gltf import gltf
@@ -88,11 +88,11 @@ class Replies:
     same bytes. `earlier`: those before an edit, which answer for the microversion that they had. `old`:
     lists of features in the old envelope. `newest`: the newest version of the API that is known."""
 
-    def __init__(self, document: Document, *, shuffle=None, newest=NEWEST, old=False, earlier=None):
+    def __init__(self, document, *, shuffle=None, newest=NEWEST, old=False, earlier=None):
         self.document, self.earlier, self.old = document, earlier, old
         self.newest, self.shuffle = newest, shuffle
 
-    def answer(self, path: str, query: str = "", api: int = NEWEST) -> Reply:
+    def answer(self, path, query="", api=NEWEST):
         """The reply to GET /api/v`api``path`?`query`."""
         try:
             endpoint, names = self._endpoint(unquote(path))
@@ -112,7 +112,7 @@ class Replies:
             return Reply(refused.status, error_body(refused.status, refused.message))
         return Reply(200, json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(), endpoint)
 
-    def version(self, asked: int) -> int:
+    def version(self, asked):
         """The version that answers where this one is asked: the newest for one that is not known."""
         return min(asked, self.newest)
 
@@ -230,7 +230,7 @@ class Replies:
             record["value"] = ""
         return plain
 
-    def post(self, path: str, body: bytes):
+    def post(self, path, body):
         """The reply to POST /api/vN`path`, and the document as it is then."""
         try:
             endpoint, names = self._endpoint(unquote(path))

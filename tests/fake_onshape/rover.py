@@ -20,7 +20,7 @@ def across(x=0.0, y=0.0, z=0.0):
     return frame((x, y, z), x=(1, 0, 0), z=(0, 1, 0))
 
 
-def rover_document() -> Document:
+def rover_document():
     """The robot: 26 parts, 7 joints, one of them a ball mate, one relation. Connectors at camera and tool."""
     document = Document("Rover")
     rover = document.assembly("Rover")

@@ -14,7 +14,7 @@ def pitch(x=0.0, y=0.0, z=0.0):
     return frame((x, y, z), x=(1, 0, 0), z=(0, 1, 0))
 
 
-def sample_document() -> Document:
+def sample_document():
     """The desk arm: 28 parts, 10 joints, one loop, one gear relation, a servo used twice."""
     document = Document("Desk arm")
     arm = document.assembly("Desk arm")

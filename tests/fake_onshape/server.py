@@ -13,10 +13,9 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 from tests.fake_onshape import ids
 from tests.fake_onshape.auth import Gate
-from tests.fake_onshape.document import Document
-from tests.fake_onshape.faults import Fault, FaultHook, send
+from tests.fake_onshape.faults import Fault, send
 from tests.fake_onshape.peer_replies import PeerReplies
-from tests.fake_onshape.replies import Replies, Reply, error_body
+from tests.fake_onshape.replies import Replies, error_body
 
 ACCESS_KEY = "an-access-key"
 SECRET_KEY = "a-secret-key"
@@ -43,22 +42,22 @@ class OnshapeServer:
 
     def __init__(
         self,
-        document: Document,
+        document,
         *,
-        keys: tuple[str, str] = (ACCESS_KEY, SECRET_KEY),
-        token: str = TOKEN,
-        latency_s: float = 0.0,
-        fault: FaultHook | None = None,
+        keys=(ACCESS_KEY, SECRET_KEY),
+        token=TOKEN,
+        latency_s=0.0,
+        fault=None,
         **options,
     ):
         self.document, self.replies = document, Replies(document, **options)
         self._options = options
         self.keys, self.latency_s, self.fault = keys, latency_s, fault
         self._gate = Gate(keys, token)
-        self._packed: dict[bytes, bytes] = {}
-        self.calls: list[tuple[str, str, int]] = []
+        self._packed = {}
+        self.calls = []
         self.at_once = self.most_at_once = 0
-        self._cache: dict[tuple[int, str], tuple[Reply, dict[str, str]]] = {}
+        self._cache = {}
         self._lock = threading.Lock()
         self._http = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self._http.daemon_threads = True
@@ -105,7 +104,7 @@ class OnshapeServer:
         self.replies = Replies(document, **self._options, earlier=self.replies)
         self.document = document
 
-    def answer(self, method, target, headers, sent=b"") -> tuple[int, bytes, dict[str, str], Fault]:
+    def answer(self, method, target, headers, sent=b""):
         """Status, body and headers for one request, and how to send them; counts it."""
         with self._lock:
             number = len(self.calls)

@@ -5,10 +5,10 @@ import base64
 import numpy as np
 
 from tests.fake_onshape import ids
-from tests.fake_onshape.elements import Part, Studio, together
+from tests.fake_onshape.elements import together
 
 
-def mass_properties(studio: Studio, parts: list[Part], *, as_group: bool, overrides: bool):
+def mass_properties(studio, parts, *, as_group, overrides):
     """The bulk reply: bodies by part id, or all together as "-all-"."""
     if as_group:
         return {"microversionId": studio.home.microversion, "bodies": {"-all-": _merged(parts, overrides)}}
@@ -55,9 +55,7 @@ def _ranged(values, width=1e-8):
     return [float(value) for value in np.concatenate([values, values - width, values + width])]
 
 
-def tessellated_faces(
-    studio: Studio, parts: list[Part], *, appearances, facet_normals, index_table, combine=False
-):
+def tessellated_faces(studio, parts, *, appearances, facet_normals, index_table, combine=False):
     """The triangles of each body, as the v12 object.
 
     With `index_table` each body has `facetPoints` and facets have `indices`; points are repeated

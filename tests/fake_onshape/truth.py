@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from tests.fake_onshape.copies import copied_poses
 from tests.fake_onshape.edges import Path
 from tests.fake_onshape.elements import together
 from tests.fake_onshape.frames import product
 from tests.fake_onshape.kinematics import Tree
-from tests.fake_onshape.mates import quaternion, rotation
 
 GRAVITY = (0.0, 0.0, -9.81)
 
@@ -105,7 +103,7 @@ class Truth:
         """{part path: (linear (3, n) of its centre of mass, angular (3, n))} in world axes."""
         poses = self.tree.all_poses(q, root)
         steps = [step for _, steps in self.tree.components(root) for step in steps]
-        chains: dict[Path, list] = {}
+        chains = {}
         for step in steps:
             chains[step.child] = [*chains.get(step.parent, []), *self._twists(step, poses)]
         jacobians = {}
@@ -184,13 +182,6 @@ class Truth:
                 first = next(path for path in self.leaves if path in parts)
                 bodies.append(Body(self.places[first].name, parts, () in weld))
         return bodies
-
-
-def shifted(value, by):
-    """A value moved by (1,) [rad or m], or a ball's by a rotation vector (3,) in the moved frame."""
-    if not np.ndim(value):
-        return value + float(by[0])
-    return quaternion(rotation(value) @ Rotation.from_rotvec(by).as_matrix())
 
 
 def _near(off, title):

@@ -74,9 +74,13 @@ def test_the_bundle_is_small_dated_1980_and_named_by_its_contents(robot):
                 assert entry.filename == f"replies/{digest}"
 
 
-def test_colours_name_real_faces(robot):
+def test_parts_are_closed_and_their_colours_name_real_faces(robot):
+    """Every edge is shared by two triangles in opposite directions."""
     _, document = robot
-    for home in document.homes:
-        for studio in home.studios:
-            for part in studio.parts:
-                assert set(part.face_colours) <= {face.name for face in part.solid.faces}, part.name
+    parts = [part for home in document.homes for studio in home.studios for part in studio.parts]
+    for part in parts:
+        assert set(part.face_colours) <= {face.name for face in part.solid.faces}, part.name
+        directed = [edge for a, b, c in part.solid.triangles.tolist() for edge in ((a, b), (b, c), (c, a))]
+        assert len(directed) == len(set(directed)), part.name
+        assert {(b, a) for a, b in directed} == set(directed), part.name
+        assert part.solid.properties.volume > 0

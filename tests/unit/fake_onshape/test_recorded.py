@@ -2,13 +2,10 @@
 
 import json
 import re
-from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 from tests import fake_onshape
 from tests.fake_onshape.bundle import requests
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.extended_sample import ask, extended_sample, studio
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.replies import PATHS
@@ -26,7 +23,7 @@ VALUES = ("mateType", "relationType", "bodyType")
 WHOLE = "(all of it)"
 
 
-def fields(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+def fields(value, path=""):
     """(path, type) of every field of a reply; the kinds of records are told apart, and some values."""
     last = path.rpartition(".")[2]
     if isinstance(value, list):
@@ -43,7 +40,7 @@ def fields(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
             yield from fields(inner, here)
 
 
-def opened(value: Any) -> Any:
+def opened(value):
     """A list of features without the old envelope; there states are a list, and now a map."""
     if isinstance(value, dict):
         inside = value.get("message")
@@ -51,23 +48,23 @@ def opened(value: Any) -> Any:
     return [opened(item) for item in value] if isinstance(value, list) else value
 
 
-def alike(replies: Iterable[Any]) -> set[tuple[str, str]]:
+def alike(replies):
     """The fields of replies; the root and the sub-assemblies have the same."""
     pairs = {pair for reply in replies for pair in fields(reply)}
     return {(re.sub(r"^(rootAssembly|subAssemblies\[\])", "assembly", path), kind) for path, kind in pairs}
 
 
-def unseen(ours: set[str], recorded: set[str]) -> set[str]:
+def unseen(ours, recorded):
     """The fields that no recording has, without those inside them."""
     more = ours - recorded
     return {path for path in more if not any(path != other and inside(path, other) for other in more)}
 
 
-def inside(first: str, other: str) -> bool:
+def inside(first, other):
     return first.startswith((f"{other}.", f"{other}[", f"{other}{{", f"{other} = "))
 
 
-def drawn() -> Document:
+def drawn():
     """A document with every type of mate and of relation, with all limits, patterns and a mirror."""
     kit = Kit()
     base, *arms = (kit.place(f"Bar {n}") for n in range(9))
@@ -103,7 +100,7 @@ def test_the_readme_lists_all_that_no_recording_shows():
     assert listed() == sorted(rows)
 
 
-def recorded() -> dict[str, list[Path]]:
+def recorded():
     """The recordings of each reply."""
     return {
         "definition": [next(KBOT.glob("assembly_*_default.json")), DATA / "kscale_dummy_assembly.json"],
@@ -116,7 +113,7 @@ def recorded() -> dict[str, list[Path]]:
     }
 
 
-def sent(endpoint: str) -> list[Any]:
+def sent(endpoint):
     """Replies of the local Onshape that together have all fields of their kind."""
     made, more = extended_sample(), drawn()
     if endpoint == "definition":
@@ -133,13 +130,13 @@ def sent(endpoint: str) -> list[Any]:
     ]
 
 
-def triangles(document: Document) -> list[dict[str, str]]:
+def triangles(document):
     """The ways in which builds ask for triangles, as queries."""
     asked = [request for request in requests(document)[1] if "/tessellatedfaces?" in request]
     return [dict(pair.split("=") for pair in asked[0].partition("?")[2].split("&"))]
 
 
-def listed() -> list[tuple[str, str]]:
+def listed():
     """The rows of the README: the reply and the field."""
     lines = README.read_text().splitlines()
     return [(match[1], match[2]) for line in lines if (match := ROW.match(line))]

@@ -1,10 +1,15 @@
-"""The local Onshape's replies have Onshape's own shapes: its description and recorded replies."""
+"""The local Onshape's replies: the shapes of Onshape's description and recordings, and what it refuses."""
 
 import base64
 import json
 
+import numpy as np
 import pytest
 
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
+from linkwright.stages.fetch.onshape.api.signing import headers
+from tests.fake_onshape.auth import Gate
+from tests.fake_onshape.bundle import requests
 from tests.fake_onshape.extended_sample import ask, extended_sample, studio
 from tests.fake_onshape.replies import PATHS, QUERIES, Replies
 from tests.fake_onshape.settable import configured_stand, driven_stand, typed_arm
@@ -198,3 +203,65 @@ def test_the_queries_that_are_accepted_are_those_of_the_description(api):
     for endpoint, path in PATHS.items():
         described = {p["name"] for p in api["paths"][path]["get"]["parameters"] if p["in"] == "query"}
         assert QUERIES[endpoint] == described, endpoint
+
+
+def test_triangles_enclose_the_volume_that_mass_properties_state(document):
+    for home in (studio(document, "Base"), studio(document, "Extras")):
+        masses = ask(document, "massproperties", home.element, massAsGroup="false")["bodies"]
+        indexed = ask(document, "tessellatedfaces", home.element, outputIndexTable="true")["bodies"]
+        soup = ask(document, "tessellatedfaces", home.element)["bodies"]
+        for first, second in zip(indexed, soup, strict=True):
+            points = np.array([[p[k] for k in "xyz"] for p in first["facetPoints"]])
+            faces = [points[f["indices"]] for face in first["faces"] for f in face["facets"]]
+            again = [
+                [[v[k] for k in "xyz"] for v in f["vertices"]]
+                for face in second["faces"]
+                for f in face["facets"]
+            ]
+            assert np.array_equal(faces, again)
+            volume = sum(np.dot(a, np.cross(b, c)) for a, b, c in faces) / 6
+            assert volume == pytest.approx(masses[first["id"]]["volume"][0], rel=1e-9)
+
+
+def test_ids_are_onshapes_own_length_and_some_hold_a_slash_or_a_plus(document):
+    instances = [place.instance.id for place in document.truth.places.values()]
+    parts = [part.id for home in document.homes for studio in home.studios for part in studio.parts]
+    assert {len(i) for i in instances} == {17}
+    for ids in (instances, parts):
+        text = "".join(ids)
+        assert "/" in text
+        assert "+" in text
+    for home in document.homes:
+        for each in home.studios:
+            assert len({part.id for part in each.parts}) == len(each.parts)
+
+
+def test_what_onshape_refuses_is_refused(document):
+    replies = Replies(document)
+    definition, studios = requests(document)
+    linked = next(request for request in studios if "/v/" in request)
+    masses = next(request for request in studios if "/m/" in request and "/massproperties" in request)
+    for request, status in (
+        (linked, 200),
+        (definition + "&includeSuppressed=true", 400),
+        (definition.replace("includeMateFeatures=true", "includeMateFeatures=yes"), 400),
+        (masses + "&partId=nope", 400),
+        (linked.replace("linkDocumentId", "partId"), 403),
+        (definition.replace(document.microversion, "0" * 24), 404),
+    ):
+        assert replies.answer(*request.split("?")).status == status, request
+
+
+def test_a_signature_holds_for_one_request_and_its_headers_once():
+    gate, target = Gate(("acc", "sec"), "token"), "/api/v16/x?a=b"
+    signed = headers(Credentials("acc", "sec", "signature"), "GET", target)
+    for change, why in (
+        ({"On-Nonce": "short"}, "nonce"),
+        ({"Date": "Mon, 02 Mar 2020 10:11:12 GMT"}, "too far"),
+        ({"Date": "today"}, "date"),
+        ({"Content-Type": "text/plain"}, "signature"),
+    ):
+        assert why in gate.refuses("GET", target, {**signed, **change})
+    assert "signature" in gate.refuses("GET", "/api/v16/x?a=c", signed)
+    assert gate.refuses("GET", target, signed) == ""
+    assert "nonce" in gate.refuses("GET", target, signed)
