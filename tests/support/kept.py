@@ -5,7 +5,10 @@ from collections import defaultdict
 from threading import Lock, RLock
 
 from linkwright.stages import fetch as stage
+from linkwright.stages.fetch.onshape.api.client import Client
+from linkwright.stages.fetch.onshape.api.credentials import Credentials
 from linkwright.stages.fetch.onshape.api.retries import Patience
+from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.fetch.section import FetchSections
 from linkwright.stages.fetch.source import FetchContext
 
@@ -57,6 +60,19 @@ ADDRESS = "https://cad.onshape.com/documents/{}/w/{}/e/{}".format("a" * 24, "b" 
 def onshape(url, **keys):
     """The fetch stage's keys for an address."""
     return FetchSections.model_validate({"source": {"kind": "onshape", "url": url, **keys}})
+
+
+def recording(path):
+    """The fetch stage's keys for a bundle in a zip file."""
+    return FetchSections.model_validate({"source": {"kind": "bundle", "path": str(path)}})
+
+
+KEY = Credentials("the-access", "the-secret")
+
+
+def client_at(origin, key=KEY, patience=QUICK, **more):
+    """A client for an assembly at this origin, whose document does not exist."""
+    return Client(AssemblyUrl(origin, "D", "w/W", "ROOT", "default"), key, patience=patience, **more)
 
 
 def fetched(keys, kept=None, environ=None, lines=None, **more):

@@ -1,28 +1,38 @@
-"""The stage against a local Onshape: the calls it makes, what it keeps, and every kind of source."""
+"""The stage against a local Onshape: what it asks for, keeps and refuses; and every kind of source."""
 
+import ast
 import io
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from pydantic import ValidationError
 
 from linkwright.stages import fetch as stage
-from linkwright.stages.fetch.section import FetchSections
-from linkwright.stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
+from linkwright.stages.fetch import sources
+from linkwright.stages.fetch.bundle.archive import pack
+from linkwright.stages.fetch.onshape.gather import digest
+from linkwright.stages.fetch.section import SOURCES
+from linkwright.stages.formats import triangles
+from linkwright.stages.formats.meshes import body_arrays
+from linkwright.stages.robot.errors import (
+    AssemblyError,
+    ConfigError,
+    NotFound,
+    Offline,
+    ProtocolError,
+    SourceError,
+)
+from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.faulty import desk
-from tests.support.kept import ADDRESS, Kept, fetched, onshape
-from tests.support.recorded import kbot_bundle, needs_data
-from tests.support.traffic import at_path
-
-
-def zip_source(path):
-    return SimpleNamespace(source=SimpleNamespace(kind="bundle", path=str(path)))
+from tests.support.kept import ADDRESS, Kept, fetched, onshape, recording
+from tests.support.places import PROJECT
+from tests.support.traffic import at_path, targets_of
 
 
 def test_a_cold_build_makes_one_call_and_two_a_studio():
@@ -40,18 +50,10 @@ def test_a_cold_build_makes_one_call_and_two_a_studio():
         assert all("/w/" not in request for request in kept)
 
 
-def test_a_recording_of_another_quality_is_what_there_is(tmp_path):
-    fine = bundle_bytes(desk(), tessellation={"angleTolerance": 0.01, "chordTolerance": 1e-5})
-    (tmp_path / "desk.zip").write_bytes(fine)
-    studios = fetched(zip_source(tmp_path / "desk.zip")).bundle.studios
-    assert all(studio.tessellation for studio in studios)
-
-
 @pytest.mark.parametrize(
     "body", [b"", b'{"bodies": {', b"null", b"{}", b'{"bodies": 7}', b'{"message": "hello"}']
 )
-def test_a_reply_that_is_not_what_was_asked_for_is_not_kept(body):
-    kept = Kept()
+def test_a_reply_that_is_not_what_was_asked_for_is_not_kept(body, kept):
     with OnshapeServer(desk()) as server:
         server.fault = at_path(Fault(200, body), "/massproperties")
         with pytest.raises(ProtocolError) as caught:
@@ -102,10 +104,10 @@ class TestBeforeTheFirstStage:
         with pytest.raises(ValidationError, match="24 hex"):
             onshape("https://cad.onshape.com/x")
         with pytest.raises(ConfigError, match=r"arm\.zip does not exist"):
-            stage.preflight(zip_source("arm.zip"), {})
+            stage.preflight(recording("arm.zip"), {})
         Path("folder").mkdir()
         with pytest.raises(ConfigError, match="is a folder"):
-            stage.preflight(zip_source("folder"), {})
+            stage.preflight(recording("folder"), {})
 
     def test_what_can_change_has_no_identity_and_what_cannot_has_one(self):
         assert stage.pinned(onshape(ADDRESS)) is None
@@ -119,7 +121,7 @@ class TestBeforeTheFirstStage:
         Path("a.zip").write_bytes(b"one")
         Path("b.zip").write_bytes(b"two")
         Path("c.zip").write_bytes(b"one")
-        a, b, c = (stage.pinned(zip_source(name)) for name in ("a.zip", "b.zip", "c.zip"))
+        a, b, c = (stage.pinned(recording(name)) for name in ("a.zip", "b.zip", "c.zip"))
         assert a == c != b
 
 
@@ -137,7 +139,7 @@ class TestRecordings:
                     body = json.dumps(manifest).encode()
                 new.writestr(name, body)
         (tmp_path / "edited.zip").write_bytes(out.getvalue())
-        return zip_source(tmp_path / "edited.zip")
+        return recording(tmp_path / "edited.zip")
 
     @staticmethod
     def without(word):
@@ -172,17 +174,138 @@ class TestRecordings:
         assert caught.value.where.endswith("edited.zip")
 
 
-def test_the_sample_is_a_complete_bundle_and_needs_no_network():
-    keys = FetchSections.model_validate({"source": {"kind": "sample"}})
-    stage.preflight(keys, {})
-    outcome = fetched(keys)
-    assert all(len(studio.mass) == 1 and studio.tessellation for studio in outcome.bundle.studios)
-    assert (outcome.calls, outcome.saved, len(stage.pinned(keys)["sha256"])) == (0, 0, 64)
+FETCH = PROJECT / "stages" / "fetch"
 
 
-@needs_data
-def test_replies_recorded_part_by_part_are_a_bundle_without_triangles(tmp_path):
-    (tmp_path / "kbot.zip").write_bytes(kbot_bundle())
-    bundle = fetched(zip_source(tmp_path / "kbot.zip")).bundle
-    assert sum(len(studio.mass) for studio in bundle.studios) == 108
-    assert all(studio.tessellation is None for studio in bundle.studios)
+def test_each_source_has_its_keys_and_its_preset():
+    assert list(SOURCES) == list(sources.SOURCES)
+    presets = {path.stem for path in (PROJECT / "conf" / "source").glob("*.yaml")}
+    assert presets == set(SOURCES)
+    for kind, keys in SOURCES.items():
+        assert keys.model_fields["kind"].default == kind
+        assert sources.source_class(kind).__module__ == keys.__module__.replace(".section", ".source")
+
+
+@pytest.mark.parametrize("room", ["onshape", "urdf", "mjcf", "bundle"])
+def test_no_room_imports_another(room):
+    rooms = {"onshape", "urdf", "mjcf", "bundle"} - {room}
+    for path in (FETCH / room).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom | ast.Import):
+                names = [getattr(node, "module", None) or "", *(alias.name for alias in node.names)]
+                pieces = [name.removeprefix("linkwright.").split(".") for name in names]
+                assert not [p for p in pieces if p[:2] == ["stages", "fetch"] and rooms & {*p[2:3]}], path
+
+
+EMPTY = {"massproperties": [b'{"bodies":{}}'], "tessellatedfaces": [b"[]", b'{"bodies":[]}']}
+CASES = [(kind, body) for kind, bodies in EMPTY.items() for body in bodies]
+
+
+@pytest.fixture
+def server():
+    document = Document("Pair")
+    studio, root = document.studio("Pair"), document.assembly("Pair")
+    root.add(studio.part("One", solids.box(0.1, 0.1, 0.1), density=1000), fixed=True)
+    root.add(studio.part("Two", solids.box(0.2, 0.1, 0.1), density=1000))
+    with OnshapeServer(document) as server:
+        yield server
+
+
+def instead(server, kind, body, times=99):
+    """Replies of this kind are `body`, so many `times`."""
+    left = [Fault(200, body)] * times
+    server.fault = lambda method, path, number: left.pop() if f"/{kind}?" in path and left else None
+
+
+def build(server, kept, pin="m", **keys):
+    server.reset()
+    return fetched(onshape(server.document_url(pin), **keys), kept, server.environ)
+
+
+@pytest.mark.parametrize(("kind", "body"), CASES)
+def test_an_empty_reply_is_asked_for_once_more_and_refused_if_it_stays_so(server, kind, body):
+    for pin in "mw":
+        right, kept = build(server, Kept(), pin), Kept()
+        instead(server, kind, body, times=1)
+        made = build(server, kept, pin)
+        assert (made.calls, made.bundle) == (4, right.bundle)
+    right, kept = build(server, Kept()), Kept()
+    instead(server, kind, body)
+    with pytest.raises(ProtocolError, match=r"source.refresh=true is not needed") as caught:
+        build(server, kept)
+    assert len(targets_of(server, f"/{kind}?")) == 2
+    studio = server.document.studios[0]
+    for name in (*(part.id for part in studio.parts), studio.element):
+        assert name in caught.value.message
+    assert not any(f"/{kind}?" in request for request in kept)
+    server.fault = None
+    assert build(server, kept).bundle == right.bundle
+
+
+@pytest.mark.parametrize("kind", EMPTY)
+def test_a_reply_that_lacks_one_part_names_that_one(server, kind, kept):
+    second = server.document.studios[0].parts[1]
+    build(server, kept)
+    request = next(request for request in kept if f"/{kind}?" in request)
+    body = json.loads(server.replies.answer(*request.split("?")).body)
+    if kind == "massproperties":
+        del body["bodies"][second.id]
+    else:
+        body["bodies"] = [record for record in body["bodies"] if record["id"] != second.id]
+    instead(server, kind, json.dumps(body).encode())
+    with pytest.raises(ProtocolError, match=f"lack the parts {second.id};"):
+        build(server, Kept())
+
+
+@pytest.mark.parametrize("kind", EMPTY)
+def test_an_incomplete_reply_that_was_kept_is_as_none(server, kind, kept):
+    right = build(server, kept)
+    request = next(request for request in kept if f"/{kind}?" in request)
+    lacking = body_arrays.encode([]) if kind == "tessellatedfaces" else EMPTY[kind][0]
+    kept[request] = lacking
+    with pytest.raises(Offline, match="1 reply is not in the cache"):
+        build(server, kept, offline=True)
+    made = build(server, kept)
+    assert (made.calls, made.bundle) == (1, right.bundle)
+    assert kept[request] != lacking
+    assert build(server, kept).calls == 0
+
+
+def test_incomplete_replies_of_an_earlier_state_are_not_taken_over(server, kept):
+    build(server, kept, "w")
+    for request in list(kept):
+        if "/tessellatedfaces?" in request:
+            kept[request] = body_arrays.encode([])
+    server.edit(server.document.edited("Pair"))
+    made = build(server, kept, "w")
+    body = made.bundle.body(made.bundle.studios[0].tessellation)
+    assert triangles.ids_with_triangles(body) == {part.id for part in server.document.studios[0].parts}
+
+
+def test_a_solid_without_volume_may_lack_triangles(server, kept):
+    build(server, kept)
+    first, second = server.document.studios[0].parts
+    mass = next(request for request in kept if "/massproperties?" in request)
+    faces = next(request for request in kept if "/tessellatedfaces?" in request)
+    flat = json.loads(kept[mass])
+    flat["bodies"][second.id]["volume"] = [0.0, 0.0, 0.0]
+    kept[mass] = json.dumps(flat).encode()
+    kept[faces] = body_arrays.encode([body_arrays.decode(kept[faces])[first.id]])
+    assert build(server, kept).calls == 0
+
+
+def test_a_recording_may_lack_triangles(server, tmp_path):
+    bundle = build(server, Kept()).bundle
+    (studio,) = bundle.studios
+    empty = body_arrays.encode([])
+    renamed = {studio.tessellation: digest(empty)}
+    blobs = {name: bundle.blobs[name] for name in bundle.blobs if name not in renamed}
+    lacking = replace(
+        bundle,
+        studios=(replace(studio, tessellation=digest(empty)),),
+        requests={request: renamed.get(name, name) for request, name in bundle.requests.items()},
+        blobs=blobs | {digest(empty): empty},
+    )
+    path = tmp_path / "pair.zip"
+    path.write_bytes(pack(lacking))
+    assert fetched(recording(path)).bundle == lacking

@@ -7,10 +7,13 @@ import pytest
 from linkwright.stages.fetch.mjcf import gather
 from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
-from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.graph import build_robot
+from linkwright.stages.robot.errors import ProtocolError, SourceError
 from linkwright.stages.robot.system import guest
 from linkwright.stages.robot.system.guest import Bounds, Ended
-from tests.support.mjcfs import at_home, body, bundle_of, model, written
+from tests.support.building import plan_of
+from tests.support.mjcfs import at_home, body, bundle_of, model, robot_of, written
+from tests.unit.fetch.test_urdf_files import block
 
 BOX = '<mesh name="box" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>'
 MESHED = model(body("a", '<geom type="mesh" mesh="box"/><joint name="j"/>'), f"<asset>{BOX}</asset>")
@@ -153,3 +156,75 @@ def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
     monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))
     gather.gather(MjcfSourceSection(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
     assert order == ["meanwhile", "asked"]
+
+
+@pytest.mark.usefixtures("guests_at_home")
+def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "wedge.stl").write_bytes(block())
+    asset = '<asset><mesh file="wedge.stl"/></asset>'
+    written(tmp_path / "arm", model(body("link", '<geom type="mesh" mesh="wedge"/>'), asset), "arm.xml")
+    attached = '<frame pos="0 0 1"><attach model="arm" body="link" prefix="left/"/></frame>'
+    path = written(
+        tmp_path, model(body("base", attached), '<asset><model name="arm" file="arm/arm.xml"/></asset>')
+    )
+    assert sorted(gather.identity(keys_of(path))["files"]) == ["arm/arm.xml", "arm/wedge.stl", "model.xml"]
+    robot = robot_of(path)
+    assert [link.name for link in robot.links] == ["base", "left/link"]
+    assert len(robot.links[1].parts) == 1
+
+
+def keys_of(path):
+    return MjcfSourceSection(path=str(path))
+
+
+@pytest.mark.usefixtures("guests_at_home")
+def test_the_identity_is_the_content_of_all_files(tmp_path):
+    for folder in ("inc", "assets", "elsewhere"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "assets" / "wedge.stl").write_bytes(block())
+    (tmp_path / "inc" / "more.xml").write_text('<mujoco><asset><mesh file="wedge.stl"/></asset></mujoco>')
+    more = '<include file="inc/more.xml"/><!-- file="x" -->'
+    path = written(tmp_path, model(body("b"), more, compiler='meshdir="assets"'))
+    first = gather.identity(keys_of(path))
+    assert sorted(first["files"]) == ["assets/wedge.stl", "inc/more.xml", "model.xml"]
+    assert gather.gather(keys_of(path))[0].root["microversion"]
+    with (tmp_path / "inc" / "more.xml").open("a") as file:
+        file.write("<!-- a word -->")
+    assert gather.identity(keys_of(path)) == first
+    (tmp_path / "assets" / "wedge.stl").write_bytes(block() + b"\0")
+    assert gather.identity(keys_of(path)) != first
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("hello", "not XML"),
+        ("", "not XML"),
+        ('<robot name="x"/>', "source=urdf"),
+        ("<html/>", "<html>"),
+        ("<mujoco><worldbody>", "MuJoCo cannot compile it: XML parse error"),
+        ("<mujoco><worldbody/></mujoco>", "no body"),
+        ('<mujoco><asset><mesh file="nope.stl"/></asset></mujoco>', "nope.stl"),
+        ('<mujoco><include file="nope.xml"/></mujoco>', "nope.xml"),
+        ('<mujoco><include file="model.xml"/></mujoco>', "already included"),
+        (model(body("a", pos="nan 0 0")), "body_pos"),
+        (model(body("a", pos="inf 0 0")), "body_pos"),
+        (model(body("a") + body("a")), "repeated name 'a'"),
+        (model("<body><joint/></body>"), "mass and inertia of moving bodies"),
+        ("<mujoco><foo/></mujoco>", "foo"),
+        ("<mujoco><worldbody>" + "<body>" * 10000 + "</body>" * 10000 + "</worldbody></mujoco>", "too deep"),
+        ('<mujoco model="' + "a" * 50_000_000 + '"/>', "longer than"),
+        ("<!--" * 100_000, "not XML"),
+        ("<mujoco>" + "".join(f'<a file="{i}"/>' for i in range(30_000)), "names more than"),
+    ],
+)
+@pytest.mark.usefixtures("guests_at_home")
+def test_what_is_no_model_is_refused_in_one_sentence_without_a_path(tmp_path, monkeypatch, text, said):
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, text)
+    with pytest.raises((SourceError, ProtocolError)) as caught:
+        build_robot(gather.gather(keys_of(path))[0], plan_of())
+    assert said in str(caught.value)
+    assert str(tmp_path) not in str(caught.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]

@@ -1,21 +1,15 @@
 """MJCF as a source: what MuJoCo compiles is what we build, by MuJoCo and by Pinocchio."""
 
-import struct
-
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.fetch.mjcf.gather import gather, identity
-from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
-from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.dofs import conjugate
-from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import FileBundle
-from linkwright.stages.robot.errors import AssemblyError, ProtocolError, SourceError
+from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 from linkwright.stages.robot.model.robot import Limits, Spring
 from linkwright.stages.robot.motion.kinematics import chain, link_poses
 from linkwright.stages.robot.motion.start_pose import starting_point
@@ -25,15 +19,12 @@ from tests.support.building import robot_of as drawn_robot
 from tests.support.cases import mostly_slow
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
-from tests.support.mjcfs import Original, at_home, body, bundle_of, model, random_model, robot_of, written
+from tests.support.mjcfs import Original, body, bundle_of, model, random_model, robot_of, written
 from tests.support.robots import joint, loop, robot_with, some_values
 
+pytestmark = pytest.mark.usefixtures("guests_at_home")
+
 EXACT = 1e-9
-
-
-@pytest.fixture(autouse=True)
-def _guests_at_home(monkeypatch):
-    monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
 
 
 def codes(robot):
@@ -276,95 +267,6 @@ def test_equalities_cut_loops_or_tie_separate_bodies(tmp_path):
     assert "W-MJCF-TREE" in codes(robot)
 
 
-GEOMS = """<geom type="box" size=".1 .2 .3" rgba=".8 .1 .2 1" contype="0" conaffinity="0" group="2"/>
-  <geom type="sphere" size=".1" pos="0 0 1"/><geom type="capsule" size=".1 .2" group="3"/>
-  <geom type="cylinder" fromto="0 0 0 0 0 .6" size=".05" rgba="1 1 1 0"/>
-  <geom type="ellipsoid" size=".1 .2 .3"/>"""
-
-
-def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
-    tip = body("tip", '<geom size=".2"/>')
-    world = '<geom name="floor" type="plane" size="1 1 1"/>' + body("base", GEOMS + tip)
-    robot = robot_of(written(tmp_path, model(world)))
-    shapes = [vars_of(shape, "kind size visual collision") for shape in robot.root.shapes]
-    assert shapes == [
-        ("box", (0.2, 0.4, 0.6), True, False),
-        ("sphere", (0.1,), False, True),
-        ("capsule", (0.1, 0.4), False, True),
-        ("cylinder", (0.05, pytest.approx(0.6)), False, True),
-    ]
-    assert robot.root.shapes[0].colour == (0.8, 0.1, 0.2, 1.0)
-    assert [(shape.visual, shape.collision) for shape in robot.link("tip").shapes] == [(True, True)]
-    messages = {diagnostic.code: diagnostic.message for diagnostic in robot.diagnostics}
-    assert "1 geom of the world" in messages["I-MJCF-SCENE"]
-    (ellipsoid,) = robot.root.parts
-    assert (ellipsoid.form.ellipsoid, ellipsoid.collides) == ((0.2, 0.4, 0.6), True)
-
-
-@pytest.mark.parametrize(("group", "seen"), [(0, True), (1, False)])
-def test_what_collides_is_seen_with_what_is_only_seen_of_its_group(group, seen, tmp_path):
-    """A ring around an arm that collides is drawn with it; a mesh in another group is drawn instead of it."""
-    ring = f'<geom type="cylinder" size=".05 .01" contype="0" conaffinity="0" group="{group}"/>'
-    robot = robot_of(written(tmp_path, model(body("base", ring + '<geom type="capsule" size=".03 .2"/>'))))
-    shapes = [(shape.kind, shape.visual, shape.collision) for shape in robot.root.shapes]
-    assert shapes == [("cylinder", True, False), ("capsule", seen, True)]
-
-
-CORNERS = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype="<f4") + np.float32(0.125)
-FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
-
-
-def stl():
-    rows = [struct.pack("<3f", 0, 0, 0) + CORNERS[list(face)].tobytes() + b"\0\0" for face in FACES]
-    return b"\0" * 80 + struct.pack("<I", len(FACES)) + b"".join(rows)
-
-
-def test_a_mesh_lies_where_the_file_puts_it(tmp_path):
-    (tmp_path / "assets").mkdir()
-    (tmp_path / "assets" / "wedge.stl").write_bytes(stl())
-    world = body("base", '<geom type="mesh" mesh="wedge" pos="1 2 3" quat="1 1 0 0" material="red"/>')
-    asset = """<asset><mesh name="wedge" file="wedge.stl" scale="2 1 -1" refpos=".1 .2 .3" refquat="1 0 0 1"/>
-        <material name="red" rgba="1 0 0 1"/></asset>"""
-    path = written(tmp_path, model(world, asset, compiler='meshdir="assets"'))
-    bundle = bundle_of(path)
-    robot = build_robot(bundle, plan_of())
-    (part,) = robot.root.parts
-    made = body_arrays.decode(bundle.body(part.mesh.reply))[part.mesh.part]
-    assert made.palette == ((1.0, 0.0, 0.0, 1.0),)
-    points = made.points @ part.world_from_part[:3, :3].T + part.world_from_part[:3, 3]
-    # The mesh's frame in its file is at refpos, turned by 90° about z; the scale is along its axes.
-    turned = (CORNERS - [0.1, 0.2, 0.3]) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
-    placed = turned * [2.0, 1.0, -1.0]
-    wanted = placed @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).T + [1, 2, 3]
-    distance = np.linalg.norm(points[:, None] - wanted, axis=-1)
-    assert distance.min(axis=0).max() < 1e-6
-    assert distance.min(axis=1).max() < 1e-6
-    geometry = make_geometry(robot, bundle, plan_of(), lambda kind, key, make: make())
-    visual = next(shape for shape in geometry.shapes if shape.role == "visual")
-    assert visual.volume == pytest.approx(2 * 0.3 * 0.2 * 0.1 / 6, rel=1e-5)
-
-
-def test_what_is_only_seen_is_kept_though_the_file_would_do_without(tmp_path):
-    shape = '<geom size=".1" contype="0" conaffinity="0"/>'
-    path = written(tmp_path, model(body("base", shape), compiler='discardvisual="true"'))
-    assert [(shape.visual, shape.collision) for shape in robot_of(path).root.shapes] == [(True, False)]
-
-
-def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
-    (tmp_path / "arm").mkdir()
-    (tmp_path / "arm" / "wedge.stl").write_bytes(stl())
-    asset = '<asset><mesh file="wedge.stl"/></asset>'
-    written(tmp_path / "arm", model(body("link", '<geom type="mesh" mesh="wedge"/>'), asset), "arm.xml")
-    attached = '<frame pos="0 0 1"><attach model="arm" body="link" prefix="left/"/></frame>'
-    path = written(
-        tmp_path, model(body("base", attached), '<asset><model name="arm" file="arm/arm.xml"/></asset>')
-    )
-    assert sorted(identity(keys_of(path))["files"]) == ["arm/arm.xml", "arm/wedge.stl", "model.xml"]
-    robot = robot_of(path)
-    assert [link.name for link in robot.links] == ["base", "left/link"]
-    assert len(robot.links[1].parts) == 1
-
-
 ACTUATED = """<actuator><motor joint="a" gear="10" ctrlrange="-2 2"/><position joint="b" forcerange="-3 5"/>
   <motor name="push" joint="c" gear="2"/></actuator><sensor><gyro name="imu" site="tip"/></sensor>
   <tendon><spatial name="cable"><site site="tip"/><site site="root"/></spatial></tendon>"""
@@ -485,58 +387,3 @@ def test_a_bundle_that_holds_no_model_is_refused(tmp_path, change):
     forged = FileBundle("mjcf", bundle.root, "d", {}, {"d": body_of_it})
     with pytest.raises((ProtocolError, AssemblyError)):
         build_robot(forged, plan_of())
-
-
-def keys_of(path):
-    return MjcfSourceSection(path=str(path))
-
-
-def test_the_identity_is_the_content_of_all_files(tmp_path):
-    for folder in ("inc", "assets", "elsewhere"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "assets" / "wedge.stl").write_bytes(stl())
-    (tmp_path / "inc" / "more.xml").write_text('<mujoco><asset><mesh file="wedge.stl"/></asset></mujoco>')
-    more = '<include file="inc/more.xml"/><!-- file="x" -->'
-    path = written(tmp_path, model(body("b"), more, compiler='meshdir="assets"'))
-    first = identity(keys_of(path))
-    assert sorted(first["files"]) == ["assets/wedge.stl", "inc/more.xml", "model.xml"]
-    assert gather(keys_of(path))[0].root["microversion"]
-    (tmp_path / "inc" / "more.xml").write_text(
-        (tmp_path / "inc" / "more.xml").read_text() + "<!-- a word -->"
-    )
-    assert identity(keys_of(path)) == first
-    (tmp_path / "assets" / "wedge.stl").write_bytes(stl() + b"\0")
-    assert identity(keys_of(path)) != first
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("hello", "not XML"),
-        ("", "not XML"),
-        ('<robot name="x"/>', "source=urdf"),
-        ("<html/>", "<html>"),
-        ("<mujoco><worldbody>", "MuJoCo cannot compile it: XML parse error"),
-        ("<mujoco><worldbody/></mujoco>", "no body"),
-        ('<mujoco><asset><mesh file="nope.stl"/></asset></mujoco>', "nope.stl"),
-        ('<mujoco><include file="nope.xml"/></mujoco>', "nope.xml"),
-        ('<mujoco><include file="model.xml"/></mujoco>', "already included"),
-        (model(body("a", pos="nan 0 0")), "body_pos"),
-        (model(body("a", pos="inf 0 0")), "body_pos"),
-        (model(body("a") + body("a")), "repeated name 'a'"),
-        (model("<body><joint/></body>"), "mass and inertia of moving bodies"),
-        ("<mujoco><foo/></mujoco>", "foo"),
-        ("<mujoco><worldbody>" + "<body>" * 10000 + "</body>" * 10000 + "</worldbody></mujoco>", "too deep"),
-        ('<mujoco model="' + "a" * 50_000_000 + '"/>', "longer than"),
-        ("<!--" * 100_000, "not XML"),
-        ("<mujoco>" + "".join(f'<a file="{i}"/>' for i in range(30_000)), "names more than"),
-    ],
-)
-def test_what_is_no_model_is_refused_in_one_sentence_without_a_path(tmp_path, monkeypatch, text, said):
-    monkeypatch.chdir(tmp_path)
-    path = written(tmp_path, text)
-    with pytest.raises((SourceError, ProtocolError)) as caught:
-        build_robot(gather(keys_of(path))[0], plan_of())
-    assert said in str(caught.value)
-    assert str(tmp_path) not in str(caught.value)
-    assert [path.name for path in tmp_path.iterdir()] == ["model.xml"]

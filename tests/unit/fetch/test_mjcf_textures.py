@@ -1,13 +1,18 @@
-"""Textures of an MJCF: what MuJoCo compiles is what our files have."""
+"""Geoms, meshes and textures of an MJCF: what MuJoCo compiles is what our files have."""
 
 import re
+import struct
 
 import mujoco
 import numpy as np
 import pytest
 
 from linkwright.stages.formats import png
-from tests.support.mjcfs import at_home, written
+from linkwright.stages.formats.meshes import body_arrays
+from linkwright.stages.graph import build_robot
+from linkwright.stages.mesh import make_geometry
+from tests.support.building import plan_of
+from tests.support.mjcfs import body, bundle_of, model, robot_of, written
 from tests.support.textures import (
     QUADRANTS,
     built,
@@ -22,15 +27,12 @@ from tests.support.textures import (
 )
 from tests.support.textures import png as by_hand
 
+pytestmark = pytest.mark.usefixtures("guests_at_home")
+
 ASSETS = """<asset><texture name="four" type="2d" file="four.png"/>
 <material name="painted" texture="four" rgba=".5 .75 1 1"/><mesh name="cube" file="cube.obj"{}/></asset>"""
 GEOM = '<geom type="mesh" mesh="cube" {}/>'
 SEEN = 'material="painted" contype="0" conaffinity="0"'
-
-
-@pytest.fixture(autouse=True)
-def _guests_at_home(monkeypatch):
-    monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
 
 
 def source(folder, *geoms, assets="", picture=None):
@@ -171,3 +173,79 @@ def test_a_png_of_ours_has_its_pixels(channels):
     text = f"<mujoco><asset>{texture}</asset></mujoco>"
     model = mujoco.MjModel.from_xml_string(text, assets={"t.png": data})
     assert np.array_equal(model.tex_data.reshape(pixels.shape), pixels)
+
+
+GEOMS = """<geom type="box" size=".1 .2 .3" rgba=".8 .1 .2 1" contype="0" conaffinity="0" group="2"/>
+  <geom type="sphere" size=".1" pos="0 0 1"/><geom type="capsule" size=".1 .2" group="3"/>
+  <geom type="cylinder" fromto="0 0 0 0 0 .6" size=".05" rgba="1 1 1 0"/>
+  <geom type="ellipsoid" size=".1 .2 .3"/>"""
+
+
+def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
+    tip = body("tip", '<geom size=".2"/>')
+    world = '<geom name="floor" type="plane" size="1 1 1"/>' + body("base", GEOMS + tip)
+    robot = robot_of(written(tmp_path, model(world)))
+    shapes = [(shape.kind, shape.size, shape.visual, shape.collision) for shape in robot.root.shapes]
+    assert shapes == [
+        ("box", (0.2, 0.4, 0.6), True, False),
+        ("sphere", (0.1,), False, True),
+        ("capsule", (0.1, 0.4), False, True),
+        ("cylinder", (0.05, pytest.approx(0.6)), False, True),
+    ]
+    assert robot.root.shapes[0].colour == (0.8, 0.1, 0.2, 1.0)
+    assert [(shape.visual, shape.collision) for shape in robot.link("tip").shapes] == [(True, True)]
+    messages = {diagnostic.code: diagnostic.message for diagnostic in robot.diagnostics}
+    assert "1 geom of the world" in messages["I-MJCF-SCENE"]
+    (ellipsoid,) = robot.root.parts
+    assert (ellipsoid.form.ellipsoid, ellipsoid.collides) == ((0.2, 0.4, 0.6), True)
+
+
+@pytest.mark.parametrize(("group", "seen"), [(0, True), (1, False)])
+def test_what_collides_is_seen_with_what_is_only_seen_of_its_group(group, seen, tmp_path):
+    """A ring around an arm that collides is drawn with it; a mesh in another group is drawn instead of it."""
+    ring = f'<geom type="cylinder" size=".05 .01" contype="0" conaffinity="0" group="{group}"/>'
+    robot = robot_of(written(tmp_path, model(body("base", ring + '<geom type="capsule" size=".03 .2"/>'))))
+    shapes = [(shape.kind, shape.visual, shape.collision) for shape in robot.root.shapes]
+    assert shapes == [("cylinder", True, False), ("capsule", seen, True)]
+
+
+CORNERS = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype="<f4") + np.float32(0.125)
+
+
+FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def stl():
+    rows = [struct.pack("<3f", 0, 0, 0) + CORNERS[list(face)].tobytes() + b"\0\0" for face in FACES]
+    return b"\0" * 80 + struct.pack("<I", len(FACES)) + b"".join(rows)
+
+
+def test_a_mesh_lies_where_the_file_puts_it(tmp_path):
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "wedge.stl").write_bytes(stl())
+    world = body("base", '<geom type="mesh" mesh="wedge" pos="1 2 3" quat="1 1 0 0" material="red"/>')
+    asset = """<asset><mesh name="wedge" file="wedge.stl" scale="2 1 -1" refpos=".1 .2 .3" refquat="1 0 0 1"/>
+        <material name="red" rgba="1 0 0 1"/></asset>"""
+    path = written(tmp_path, model(world, asset, compiler='meshdir="assets"'))
+    bundle = bundle_of(path)
+    robot = build_robot(bundle, plan_of())
+    (part,) = robot.root.parts
+    made = body_arrays.decode(bundle.body(part.mesh.reply))[part.mesh.part]
+    assert made.palette == ((1.0, 0.0, 0.0, 1.0),)
+    points = made.points @ part.world_from_part[:3, :3].T + part.world_from_part[:3, 3]
+    # The mesh's frame in its file is at refpos, turned by 90° about z; the scale is along its axes.
+    turned = (CORNERS - [0.1, 0.2, 0.3]) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
+    placed = turned * [2.0, 1.0, -1.0]
+    wanted = placed @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).T + [1, 2, 3]
+    distance = np.linalg.norm(points[:, None] - wanted, axis=-1)
+    assert distance.min(axis=0).max() < 1e-6
+    assert distance.min(axis=1).max() < 1e-6
+    geometry = make_geometry(robot, bundle, plan_of(), lambda kind, key, make: make())
+    visual = next(shape for shape in geometry.shapes if shape.role == "visual")
+    assert visual.volume == pytest.approx(2 * 0.3 * 0.2 * 0.1 / 6, rel=1e-5)
+
+
+def test_what_is_only_seen_is_kept_though_the_file_would_do_without(tmp_path):
+    shape = '<geom size=".1" contype="0" conaffinity="0"/>'
+    path = written(tmp_path, model(body("base", shape), compiler='discardvisual="true"'))
+    assert [(shape.visual, shape.collision) for shape in robot_of(path).root.shapes] == [(True, False)]

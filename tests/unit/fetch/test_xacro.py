@@ -5,7 +5,6 @@ import re
 import pytest
 
 from linkwright.stages.fetch import pinned, preflight
-from linkwright.stages.fetch.urdf import expand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 from linkwright.stages.robot.errors import ConfigError, SourceError
@@ -148,23 +147,6 @@ def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, m
 
 
 def test_what_xacro_refuses_is_reported_as_ours(tmp_path):
-    for inside, words, hint in (
-        ('<link name="$(find parts)"/>', "there is no package parts", "source.packages={parts: FOLDER}"),
-        ('<link name="$(arg n)"/>', "argument n", "source.args"),
-        ('<link name="${1/0}"/>', "division by zero", ""),
-        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "call themselves", ""),
-    ):
-        error = refused(tmp_path, inside)
-        assert error.message.startswith("xacro cannot expand it: ")
-        assert words in error.message
-        assert hint in error.hint
-
-
-def test_what_is_trusted_has_bounds(tmp_path, monkeypatch):
-    for inside, bounds, words in (
-        ("[0 for a in range(10**12)]", (1, 1 << 34, 100), "took longer than 1 s"),
-        ("len(str(10) * 3 * 10**8)", (60, 200 << 20, 100), "needed more than 0.21 GB"),
-        ("str(10) * 10**5", (60, 1 << 30, 10**5), "made more than 0.1 MB"),
-    ):
-        monkeypatch.setattr(expand, "BOUNDS", guest.Bounds(*bounds))
-        assert words in refused(tmp_path, f'<link name="${{{inside}}}"/>').message
+    error = refused(tmp_path, '<link name="$(find parts)"/>')
+    assert error.message.startswith("xacro cannot expand it: there is no package parts")
+    assert "source.packages={parts: FOLDER}" in error.hint

@@ -137,8 +137,7 @@ def test_a_reply_that_is_no_list_of_parameters_is_refused(body):
         configuration.read(body)
 
 
-def test_a_configuration_costs_one_call_at_first():
-    kept = Kept()
+def test_a_configuration_costs_one_call_at_first(kept):
     with OnshapeServer(configured_stand()) as server:
         plain = fetched(onshape(server.document_url()), environ=server.environ)
         assert (plain.calls, targets_of(server, "/configuration")) == (7, [])
@@ -191,8 +190,7 @@ def test_after_an_edit_the_parameters_are_asked_for_again():
         assert fetched(keys, kept, server.environ).calls == 1
 
 
-def test_offline_a_configuration_is_built_from_what_is_kept():
-    kept = Kept()
+def test_offline_a_configuration_is_built_from_what_is_kept(kept):
     with OnshapeServer(configured_stand()) as server:
         keys = {"configuration": {"Leg length": "0.4 m"}}
         cold = fetched(onshape(server.document_url(), **keys), kept, server.environ)

@@ -44,8 +44,7 @@ def test_a_server_that_sends_limits_is_not_asked_for_features():
         assert asked_kinds(server) == COLD
 
 
-def test_an_old_server_is_asked_once_for_each_moving_assembly():
-    kept = Kept()
+def test_an_old_server_is_asked_once_for_each_moving_assembly(kept):
     with OnshapeServer(typed_arm(), newest=16) as server:
         made = fetched(onshape(server.document_url()), kept, server.environ)
         assert asked_kinds(server) == {**COLD, "currentmicroversion": 1, "features": 2, "variables": 2}
@@ -93,8 +92,7 @@ def spent(server, kept):
     return server.count, asked_kinds(server), made
 
 
-def test_nested_limits_cost_no_call_seven_after_an_edit_and_then_six():
-    kept = Kept()
+def test_nested_limits_cost_no_call_seven_after_an_edit_and_then_six(kept):
     with OnshapeServer(nested()) as server:
         assert spent(server, kept)[0] == 1 + 2 * 3
         assert spent(server, kept)[0] == 1
@@ -108,8 +106,7 @@ def test_nested_limits_cost_no_call_seven_after_an_edit_and_then_six():
         assert versions == {"v16", "v17"}  # the mass of the assembly, and its definition
 
 
-def test_an_old_server_is_asked_again_only_for_changed_features():
-    kept = Kept()
+def test_an_old_server_is_asked_again_only_for_changed_features(kept):
     with OnshapeServer(nested(), newest=16) as server:
         kinds = {"definition": 1, "features": 3, "massproperties": 3, "tessellatedfaces": 3}
         assert spent(server, kept)[:2] == (1 + 2 * 3 + 3, kinds)
@@ -144,9 +141,8 @@ def test_changed_tabs_are_asked_for_the_sake_of_features_alone():
         assert (calls, "features" in names) == (1 + 1 + 2 + 2 * 3, False)
 
 
-def test_replies_of_an_earlier_version_stay_good():
+def test_replies_of_an_earlier_version_stay_good(kept):
     """Replies that were asked for at v16, before it was taken down at which version that was."""
-    kept = Kept()
     with OnshapeServer(nested(), newest=16) as server:
         before = spent(server, kept)[2].bundle
     for subject in [subject for subject in kept.facts if subject.endswith("#api")]:
@@ -239,9 +235,8 @@ def test_a_version_has_variables_and_a_microversion_has_none():
         assert unknown(micro) == ["curl", "turn"]
 
 
-def test_variables_of_a_workspace_that_moved_on_are_not_taken():
+def test_variables_of_a_workspace_that_moved_on_are_not_taken(kept):
     document = typed_arm()
-    kept = Kept()
     studio, changed = document.variable_studios[0].element, {"Reach": ("ANGLE", "80 deg")}
     with OnshapeServer(document, newest=16) as server:
 
@@ -272,8 +267,7 @@ def test_nothing_is_asked_offline():
 
 
 @pytest.mark.parametrize("body", [b"{", b"[]", b'{"features": 3}', b'{"features": ["x"]}'])
-def test_a_list_of_features_that_is_none_is_not_kept_nor_are_such_variables(body):
-    kept = Kept()
+def test_a_list_of_features_that_is_none_is_not_kept_nor_are_such_variables(body, kept):
     with OnshapeServer(typed_arm(), newest=16) as server:
         server.fault = at_path(Fault(200, body), "/features")
         with pytest.raises(ProtocolError, match="the features of assembly"):

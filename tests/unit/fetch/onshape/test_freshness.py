@@ -51,11 +51,6 @@ def edit_unseen(server):
 
 
 @pytest.fixture
-def kept():
-    return Kept()
-
-
-@pytest.fixture
 def server():
     with OnshapeServer(cupboard()) as server:
         yield server
@@ -162,21 +157,6 @@ def test_with_one_studio_asking_again_costs_less_than_asking_what_changed(kept):
         server.edit(resized(document, "P", "S"))
         assert build(server, kept).calls == 4
         assert "elements" not in asked_kinds(server)
-
-
-def test_many_parts_in_four_studios_cost_no_more(kept):
-    document = Document("Many")
-    root = document.assembly("Many")
-    for name in "ABCD":
-        studio = document.studio(name)
-        for number in range(15):
-            root.add(studio.part(f"{name}{number}", solids.box(0.1, 0.1, 0.001 * (number + 1)), density=1000))
-    with OnshapeServer(document) as server:
-        assert [build(server, kept).calls for _ in range(2)] == [9, 1]
-        server.edit(resized(document, "B7", "B"))
-        made = build(server, kept)
-        assert made.calls == 7
-        assert same_as_cold(server, made.bundle)
 
 
 class TestVerify:

@@ -30,11 +30,6 @@ LATER = {"Retry-After": "3600"}
 
 
 @pytest.fixture
-def kept():
-    return Kept()
-
-
-@pytest.fixture
 def server():
     with OnshapeServer(driven_stand()) as server:
         yield server
@@ -59,8 +54,11 @@ def fetch(server, kept, variables=TALL, lines=None, **more):
 
 
 def fails(server, kept, variables=TALL, error=SourceError, match=None, **more):
+    spent, before = Calls(), server.count
+    wanted = keys(server, variables, **more) if variables else onshape(server.document_url(), **more)
     with pytest.raises(error, match=match) as caught:
-        fetch(server, kept, variables, **more)
+        fetched(wanted, kept, server.environ, calls=spent)
+    assert spent.made == server.count - before
     return caught.value
 
 
@@ -131,15 +129,26 @@ def test_a_studio_with_a_configured_variable_is_left_alone(server, kept):
     assert posts(server) == []
 
 
+def after_the_write(status):
+    """A fault of each call after the write that asks for the state of the document."""
+    fault = at_path(Fault(status, b"{}", LATER), "currentmicroversion")
+    return lambda method, target, number: fault(method, target, number) if number > 4 else None
+
+
 @pytest.mark.usefixtures("restored")
-@pytest.mark.parametrize("number", [5, 7])
-def test_a_failure_after_the_write_leaves_the_document_as_it_was(server, kept, number):
-    """The fifth call asks what the changed state is, the seventh what the state is after it."""
-    server.fault = at_call(Fault(404, b"{}"), number)
-    calls = Calls()
-    with pytest.raises(SourceError):
-        fetched(keys(server), kept, server.environ, calls=calls)
-    assert calls.made == server.count == 7 - (number == 5)
+@pytest.mark.parametrize(
+    ("fault", "kind"),
+    [
+        # The fifth call asks what the changed state is, the seventh what the state is after it.
+        *((at_call(Fault(404, b"{}"), number), NotFound) for number in (5, 7)),
+        (after_the_write(429), errors.RateLimited),
+        (after_the_write(402), errors.QuotaExhausted),
+    ],
+)
+def test_a_failure_after_the_write_leaves_the_document_as_it_was(server, kept, fault, kind):
+    """Also one that stops all calls."""
+    server.fault = fault
+    fails(server, kept, error=kind)
     assert len(posts(server)) == 2
 
 
@@ -178,15 +187,6 @@ def test_of_two_studios_only_the_one_that_was_written_is_put_back(server, kept):
     fails(server, kept, BOTH, AuthError)
     first, _, third = posts(server)
     assert first == third
-
-
-@pytest.mark.usefixtures("restored")
-@pytest.mark.parametrize(("status", "kind"), [(429, errors.RateLimited), (402, errors.QuotaExhausted)])
-def test_what_stops_all_calls_after_the_write_does_not_stop_the_put_back(server, kept, status, kind):
-    fault = at_path(Fault(status, b"{}", LATER), "currentmicroversion")
-    server.fault = lambda method, target, at: fault(method, target, at) if at > 4 else None
-    fails(server, kept, error=kind)
-    assert len(posts(server)) == 2
 
 
 @pytest.mark.usefixtures("restored")

@@ -1,27 +1,21 @@
 """The client against a bare server: what is sent and counted, what is asked again, what a refusal says."""
 
-import gzip
-import json
 import threading
-from base64 import b64encode
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from email.utils import formatdate
 from time import monotonic, sleep, time
 
 import pytest
 
-from linkwright.stages.fetch.onshape.api.client import Client
-from linkwright.stages.fetch.onshape.api.credentials import Credentials
 from linkwright.stages.fetch.onshape.api.http_errors import Declined
 from linkwright.stages.fetch.onshape.call_budget import Budget
-from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot import errors
 from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted, RateLimited, SourceError
 from tests.support.bare_server import hang_up, reply, serving
-from tests.support.kept import QUICK
+from tests.support.cases import mostly_slow
+from tests.support.kept import QUICK, client_at
 
-KEY = Credentials("the-access", "the-secret")
 MASS = "/partstudios/d/D/m/M/e/STUDIO/massproperties?configuration=a%3Db%2Bc"
 DEFINITION = "/assemblies/d/D/w/W/e/ROOT?configuration=default"
 CONFIGURED = "/assemblies/d/D/w/W/e/ROOT?configuration=leg%3D0.25%20m"
@@ -32,10 +26,11 @@ OK = reply(200, b"{}")
 @contextmanager
 def client_of(*answers, patience=QUICK, **more):
     """A client of a bare server with these answers, and the list of requests."""
-    with serving(*answers) as (port, asked):
-        url = AssemblyUrl(f"http://127.0.0.1:{port}", "D", "w/W", "ROOT", "default")
-        with Client(url, KEY, patience=patience, **more) as client:
-            yield client, asked
+    with (
+        serving(*answers) as (port, asked),
+        client_at(f"http://127.0.0.1:{port}", patience=patience, **more) as client,
+    ):
+        yield client, asked
 
 
 def test_the_canonical_request_is_sent_as_it_is_with_basic_auth():
@@ -64,9 +59,6 @@ IN_AN_HOUR = {"Retry_After": "a date"}
         (MASS, 404, {}, "NotFound", 1, "not shared with you"),
         (CONFIGURED, 404, {}, "NotFound", 1, "deleted, not shared"),
         (MASS, 429, LATER, "RateLimited", 1, "wait 450 s"),
-        (MASS, 429, LATER, "RateLimited", 1, "source.max_wait allows 120 s"),
-        (MASS, 429, LATER, "RateLimited", 1, "in 8 min: what was fetched is kept"),
-        (MASS, 429, LATER, "RateLimited", 1, "source.max_wait=460"),
         (MASS, 429, IN_AN_HOUR, "RateLimited", 1, "in 60 min"),
         (MASS, 429, {"Retry_After": "soon"}, "RateLimited", QUICK.refusals, "(429)"),
         (MASS, 429, {}, "RateLimited", QUICK.refusals, "(429)"),
@@ -77,14 +69,7 @@ IN_AN_HOUR = {"Retry_After": "a date"}
         (MASS, 400, {}, "Declined", 1, "(400)"),
         (DEFINITION, 400, {}, "SourceError", 1, "perhaps a part studio or a drawing (400)"),
         (CONFIGURED, 400, {}, "SourceError", 1, "refuses the configuration 'leg=0.25 m' (400)"),
-        (
-            CONFIGURED,
-            400,
-            {},
-            "SourceError",
-            1,
-            "source.configuration, which is checked against the document",
-        ),
+        (CONFIGURED, 400, {}, "SourceError", 1, "which is checked against the document"),
         (MASS, 304, {}, "ProtocolError", 1, "not followed"),
         (MASS, 499, {}, "ProtocolError", 3, "tried 3 times"),
         (MASS, 500, {}, "ProtocolError", 3, "failed to give"),
@@ -106,19 +91,6 @@ def test_each_refusal_is_explained_in_the_server_s_words(request_, status, heade
     assert status == 304 or "Told so by ***." in caught.value.message
 
 
-@pytest.mark.parametrize("status", [400, 401, 402, 429, 500])
-def test_a_key_that_json_hides_in_escapes_is_not_repeated(status):
-    echo = f"Basic {b64encode(b'the-access:the-secret').decode()} the-secret"
-    body = b'{"message": "%s"}' % "".join(f"\\u{ord(letter):04x}" for letter in echo).encode()
-    patience = replace(QUICK, max_wait=0)
-    with (
-        client_of(reply(status, body), patience=patience) as (client, _),
-        pytest.raises(SourceError) as caught,
-    ):
-        client.get(MASS)
-    assert '("Basic *** ***")' in caught.value.message
-
-
 def test_a_web_page_is_never_quoted_nor_taken_for_a_reply():
     page = b"<!doctype html><html><body>Sign in</body></html>"
     with client_of(reply(502, page)) as (client, _), pytest.raises(ProtocolError) as caught:
@@ -126,41 +98,6 @@ def test_a_web_page_is_never_quoted_nor_taken_for_a_reply():
     assert "html" not in caught.value.message
     with client_of(reply(200, b"  " + page)) as (client, _), pytest.raises(ProtocolError, match="a web page"):
         client.get(MASS)
-
-
-def test_only_what_is_billed_is_counted():
-    with client_of(*(reply(status, b"{}") for status in (200, 404, 307, 406, 200, 400, 402))) as (client, _):
-        for _ in range(7):
-            with suppress(SourceError):
-                client.get(MASS)
-        assert client.calls == 3
-
-
-BAD = {
-    "cut short": reply(200, b'{"bodies"', length=1000),
-    "badly packed": reply(200, gzip.compress(b"x" * 10000)[:-200] + b"?" * 200, Content_Encoding="gzip"),
-    "not JSON": reply(200, b'{"bodies": {'),
-    "too short a length": reply(200, b'{"bodies": {}}', length=5),
-}
-
-
-def parses(body):
-    try:
-        json.loads(body)
-    except ValueError:
-        msg = "not JSON"
-        raise ProtocolError(msg, hint="again") from None
-
-
-@pytest.mark.parametrize("bad", BAD)
-def test_what_was_billed_in_vain_is_asked_for_once_more(bad):
-    with client_of(BAD[bad], OK) as (client, _):
-        assert client.get(MASS, check=parses) == b"{}"
-        assert client.calls == 2
-    with client_of(BAD[bad]) as (client, _):
-        with pytest.raises(ProtocolError, match=r"(cut short|not JSON).*tried 2 times") as caught:
-            client.get(MASS, check=parses)
-        assert (client.calls, caught.value.where) == (2, client.host)
 
 
 @pytest.mark.parametrize("first", [reply(500), reply(502, b"<html>"), reply(499), hang_up])
@@ -191,7 +128,6 @@ def slowly(body, pause):
 
 
 def test_a_reply_that_drips_is_given_up():
-    start = monotonic()
     for answer, waits, calls in (
         (slowly([b" "] * 1000, 0.01), {"whole": 0.1, "read": 5}, 2),
         (lambda handler: sleep(0.4), {"read": 0.05}, 0),
@@ -200,15 +136,12 @@ def test_a_reply_that_drips_is_given_up():
             with pytest.raises(Offline, match="did not answer in time"):
                 client.get(MASS)
             assert client.calls == calls
-    assert monotonic() - start < 9  # the reply itself takes ten seconds
 
 
 def test_a_closed_window_is_waited_for():
     lines, closed = [], reply(429, Retry_After="0")
-    with client_of(*[closed] * 3, reply(200, b"{}", X_Rate_Limit_Remaining="7"), progress=lines.append) as (
-        client,
-        _,
-    ):
+    answers = *[closed] * 3, reply(200, b"{}", X_Rate_Limit_Remaining="7")
+    with client_of(*answers, progress=lines.append) as (client, _):
         assert client.get(MASS) == b"{}"
         assert (client.calls, len(lines), client.left) == (1, 3, {"massproperties": 7})
         assert client.waited > 0
@@ -251,10 +184,8 @@ def test_a_stop_ends_a_call_on_its_way_and_nothing_is_asked_again(begun):
     patience = replace(QUICK, read=20.0, whole=20.0)
     with client_of(slow, patience=patience, progress=lines.append) as (client, asked):
         threading.Timer(0.3, client.stop).start()
-        start = monotonic()
         with pytest.raises(Offline, match="stopped"):
             client.get(MASS)
-        assert monotonic() - start < 15  # the server takes twenty seconds
         over.set()
     assert (len(asked), lines) == (1, [])
 
@@ -303,7 +234,7 @@ def test_what_undoes_a_change_is_posted_again_within_bounds(bad):
         assert len(asked) == 2 + 3
 
 
-@pytest.mark.parametrize("status", [402, 429])
+@pytest.mark.parametrize("status", mostly_slow([402, 429], keep=1))
 def test_what_undoes_a_change_is_posted_where_all_calls_were_stopped(status):
     times = []
 

@@ -9,14 +9,10 @@ import pytest
 
 from linkwright.stages import fetch as stage
 from linkwright.stages.fetch.onshape.api import network_settings
-from linkwright.stages.fetch.onshape.api.client import Client
-from linkwright.stages.fetch.onshape.api.credentials import Credentials
-from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot.errors import ConfigError, Offline
 from tests.support.bare_server import TLS, reply, serving
-from tests.support.kept import ADDRESS, QUICK, fetched, onshape
+from tests.support.kept import ADDRESS, client_at, fetched, onshape
 
-KEY = Credentials("the-access", "the-secret")
 MASS = "/partstudios/d/D/m/M/e/STUDIO/massproperties?configuration=default"
 WORLD = "https://cad.onshape.com"
 OK = reply(200, b"{}")
@@ -30,7 +26,7 @@ def no_proxies(monkeypatch):
 
 
 def asked_of(origin):
-    with Client(AssemblyUrl(origin, "D", "w/W", "ROOT", "default"), KEY, patience=QUICK) as client:
+    with client_at(origin) as client:
         return client.get(MASS)
 
 
@@ -110,9 +106,7 @@ def test_a_server_that_hangs_up_is_reported():
 
 @pytest.mark.parametrize("name", ["HTTPS_PROXY", "https_proxy", "ALL_PROXY"])
 def test_a_proxy_that_is_not_there_is_named_without_its_password(monkeypatch, name):
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     monkeypatch.setenv(name, f"http://user:hunter22@127.0.0.1:{port}")
     message = refusal(WORLD)
     assert f"the proxy 127.0.0.1:{port} ({name}) cannot be reached: nothing listens there" in message

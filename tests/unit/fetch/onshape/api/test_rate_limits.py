@@ -1,21 +1,24 @@
-"""The server's windows: what is waited for, and how it says so."""
+"""What bounds calls: the server's windows, and the number that one build may make."""
 
 from threading import Event, Thread
-from time import monotonic
+from time import monotonic, sleep
 
 import pytest
 
 from linkwright.stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from linkwright.stages.fetch.onshape.call_budget import Budget, allow
+from linkwright.stages.robot.errors import SourceError
 
 
 def test_a_closed_window_holds_back_its_own_kind_until_it_opens():
-    windows = Windows(10, Event())
-    assert windows.close("massproperties", 0.4)
-    start = monotonic()
+    stopped, waits, start = Event(), [], monotonic()
+    stopped.wait = lambda seconds: waits.append(seconds) or sleep(seconds)
+    windows = Windows(10, stopped)
+    assert windows.close("massproperties", 0.2)
     windows.wait("elements")
-    assert monotonic() - start < 0.3
+    assert waits == []
     windows.wait("massproperties")
-    assert monotonic() - start >= 0.4
+    assert monotonic() - start >= 0.2
 
 
 def test_waits_at_the_same_time_count_once_and_their_sum_has_a_bound():
@@ -57,3 +60,46 @@ def test_a_wait_is_seconds_or_a_date_or_unknown():
 def test_what_is_left_is_a_number_or_unknown():
     texts = [{"X-Rate-Limit-Remaining": "399"}, {"X-Rate-Limit-Remaining": "many"}, {}]
     assert [left(headers) for headers in texts] == [399, None, None]
+
+
+def test_calls_on_their_way_cannot_overdraw_together():
+    budget = Budget(2)
+    with budget.slot(), budget.slot():
+        with pytest.raises(SourceError, match="max_calls is 2"), budget.slot():
+            pass
+        assert budget.made == 0
+
+
+def test_what_came_to_nothing_gives_its_place_back():
+    budget = Budget(1)
+    with pytest.raises(OSError), budget.slot():
+        raise OSError
+    with budget.slot() as slot:
+        slot.charge(0)
+    with budget.slot() as slot:
+        slot.charge(1)
+    assert budget.made == 1
+    with pytest.raises(SourceError, match="made 1 call and needs 1 more"), budget.slot():
+        pass
+
+
+def test_a_call_counts_once_from_when_it_is_billed():
+    """While its body still arrives it holds no place beside the call that it came to."""
+    for limit in (2, None):
+        budget = Budget(limit)
+        with budget.slot() as first:
+            first.charge(1)
+            with budget.slot() as second:
+                second.charge(1)
+            first.charge(1)
+        assert budget.made == 2
+
+
+def test_as_many_calls_as_allowed_may_be_made_and_no_more():
+    allow(3, 2, 5)
+    allow(0, 5, 5)
+    with pytest.raises(SourceError, match=r"this build needs 6 calls, but source.max_calls is 5") as caught:
+        allow(6, 0, 5)
+    assert caught.value.hint == "set source.max_calls=6 or more"
+    with pytest.raises(SourceError, match=r"made 1 call and needs 5 more, but source.max_calls is 5"):
+        allow(5, 1, 5)

@@ -3,13 +3,10 @@
 import pytest
 
 from linkwright.stages.fetch.onshape.api import redirects
-from linkwright.stages.fetch.onshape.api.client import Client
-from linkwright.stages.fetch.onshape.api.credentials import Credentials
-from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot.errors import ProtocolError
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
 from tests.support.faulty import desk
-from tests.support.kept import QUICK, Kept, fetched, onshape
+from tests.support.kept import Kept, client_at, fetched, onshape
 from tests.support.tricky_hosts import HOSTS
 
 CAD = "https://cad.onshape.com/api/v16/x?a=b%2Fc"
@@ -97,8 +94,7 @@ def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, env
 def test_a_way_that_does_not_end_or_leads_away_is_left(document, location, stops):
     with OnshapeServer(document) as server:
         server.fault = lambda *_: Fault(307, headers={"Location": location})
-        url = AssemblyUrl(server.url, "D", "w/W", "E", "default")
-        with Client(url, Credentials("a", "s"), patience=QUICK) as client:
+        with client_at(server.url) as client:
             with pytest.raises(ProtocolError, match="redirects"):
                 client.get("/documents/d/D/w/W/currentmicroversion")
             assert client.calls == server.count == stops

@@ -1,4 +1,4 @@
-"""Triangles out of glTF: read, told apart by the mass properties, and asked for where faces are refused."""
+"""Triangles out of glTF: read, distinguished by the mass properties, or refused."""
 
 import base64
 import json
@@ -92,18 +92,18 @@ def test_bodies_that_match_no_parts_or_no_axis_are_refused():
             gltf_parts.compact(gltf(parts, appearances=True), figures)
 
 
-def opened(reply):
-    """The JSON and the buffer of a binary glTF."""
+def inlined(reply):
+    """The JSON of a binary glTF, with its buffer in it."""
     size = struct.unpack_from("<I", reply, 12)[0]
-    return json.loads(reply[20 : 20 + size]), reply[28 + size :]
+    data, buffer = json.loads(reply[20 : 20 + size]), reply[28 + size :]
+    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
+    return {**data, "buffers": [{"byteLength": len(buffer), "uri": uri}]}
 
 
 def test_json_with_its_buffers_in_it_and_transforms_of_nodes_are_read():
     part = studio().parts[2]
     plain = gltf([part], appearances=False)
-    data, buffer = opened(plain)
-    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
-    data["buffers"] = [{"byteLength": len(buffer), "uri": uri}]
+    data = inlined(plain)
     # A child turned a quarter about z and doubled, in a parent moved by a matrix (by columns).
     quarter = [0, 0, 0.5**0.5, 0.5**0.5]
     data["nodes"] = [
@@ -116,24 +116,6 @@ def test_json_with_its_buffers_in_it_and_transforms_of_nodes_are_read():
     assert node.name == "child"
     assert np.allclose(node.points, np.stack([6 - 2 * y, 6 + 2 * x, 7 + 2 * z], axis=1), atol=1e-12)
     assert node.corners.tolist() == before.corners.tolist()
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"extensionsRequired": ["KHR_draco_mesh_compression"]},
-        {"buffers": [{"uri": "https://example.com/mesh.bin"}]},
-        {"accessors": []},
-        {"bufferViews": [{"buffer": 0, "byteLength": 12}] * 3},
-        {"nodes": [{"children": [0]}]},
-        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]}]},
-        {"meshes": 7},
-    ],
-)
-def test_what_is_no_plain_gltf_is_refused(change):
-    data, _ = opened(gltf(studio().parts[:1], appearances=True))
-    with pytest.raises(ProtocolError, match="not in the form of glTF 2"):
-        reader.read(json.dumps(data | change).encode())
 
 
 def test_a_file_that_is_cut_or_harmed_is_refused_or_read():
@@ -150,3 +132,69 @@ def test_a_file_that_is_cut_or_harmed_is_refused_or_read():
         with pytest.raises(ProtocolError):
             reader.read(reply[: rng.integers(len(reply))])
     assert refused > 50
+
+
+def changed(**changes):
+    """A glTF of one part as JSON, with changes in its accessors, bufferViews and the like, by index."""
+    data = inlined(gltf(studio().parts[:1], appearances=True))
+    for key, change in changes.items():
+        if isinstance(change, dict):
+            merged = data[key][0] | change
+            data[key][0] = {name: value for name, value in merged.items() if value is not ...}
+        else:
+            data[key] = change
+    return json.dumps(data).encode()
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"accessors": {"count": 10**12}}, "reaches beyond"),
+        ({"accessors": {"count": 10**30}}, "not in the form"),
+        ({"accessors": {"count": -1}}, "count is not a whole number"),
+        ({"accessors": {"count": 1.5}}, "count is not a whole number"),
+        ({"accessors": {"count": True}}, "count is not a whole number"),
+        ({"accessors": {"count": ...}}, "count"),
+        ({"accessors": {"byteOffset": 10**9}}, "reaches beyond"),
+        ({"accessors": {"byteOffset": -4}}, "byteOffset is not a whole number"),
+        ({"accessors": {"sparse": {"count": 10**9}}}, "not a plain VEC3"),
+        ({"accessors": {"bufferView": ..., "count": 10**12}}, "not a plain VEC3"),
+        ({"accessors": {"bufferView": 99}}, "IndexError"),
+        ({"bufferViews": {"byteStride": 1}}, "a stride of 1"),
+        ({"bufferViews": {"byteStride": 10**9}}, "a stride of 1000000000"),
+        ({"bufferViews": {"byteStride": -12}}, "byteStride is not a whole number"),
+        ({"bufferViews": {"byteLength": 12}}, "reaches beyond"),
+        ({"bufferViews": {"byteLength": 10**12}}, "reaches beyond"),
+        ({"bufferViews": {"byteLength": ...}}, "byteLength"),
+        ({"bufferViews": {"byteOffset": 10**12}}, "reaches beyond"),
+        ({"bufferViews": {"buffer": 7}}, "IndexError"),
+        ({"buffers": [{"uri": "data:;base64,!!!!"}]}, "not in the form"),
+        ({"buffers": [{"uri": "file:///etc/passwd"}]}, "outside of the file"),
+        ({"buffers": [{"uri": 7}]}, "outside of the file"),
+        ({"nodes": [{"children": [1, 1]}, {"mesh": 0}]}, "has two parents"),
+        ({"nodes": [{"children": [n + 1, n + 1]} for n in range(63)] + [{"mesh": 0}]}, "has two parents"),
+        ({"nodes": [{"mesh": 0}] * 150, "scenes": []}, "more than 100 nodes"),
+        ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
+        ({"nodes": [{"children": [0]}]}, "not in the form of glTF 2"),
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "not in the form of glTF 2"),
+        ({"buffers": [{"uri": "https://example.com/mesh.bin"}]}, "not in the form of glTF 2"),
+        ({"accessors": []}, "not in the form of glTF 2"),
+        (
+            {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]}]},
+            "not in the form of glTF 2",
+        ),
+        ({"meshes": 7}, "not in the form of glTF 2"),
+    ],
+)
+def test_a_gltf_that_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
+    monkeypatch.setattr(reader, "_MAX_NODES", 100 if "nodes" in why else 1000)
+    monkeypatch.setattr(reader, "_MAX_NUMBERS", 300_000)
+    with pytest.raises(ProtocolError, match=why):
+        reader.read(changed(**changes))
+
+
+def test_images_of_a_gltf_are_never_looked_at():
+    """A picture of 10 GB, by its header, and one that is elsewhere."""
+    images = [{"uri": "data:image/png;base64,AAAA"}, {"uri": "/dev/zero"}, {"bufferView": 10**9}]
+    (node,) = reader.read(changed(images=images, textures=[{"source": 0}]))
+    assert len(node.corners)

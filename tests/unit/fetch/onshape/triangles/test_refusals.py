@@ -14,11 +14,6 @@ PASSING = [Fault(402), Fault(401), Fault(silent=True), Fault(500), Fault(200, b'
 
 
 @pytest.fixture
-def kept():
-    return Kept()
-
-
-@pytest.fixture
 def server():
     with OnshapeServer(rack()) as running:
         yield running

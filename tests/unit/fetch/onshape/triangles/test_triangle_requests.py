@@ -1,7 +1,6 @@
 """Which triangles are asked for: only those used of a large part studio, glTF where faces are refused."""
 
 import json
-from types import SimpleNamespace
 from urllib.parse import parse_qsl, quote
 
 import numpy as np
@@ -14,12 +13,8 @@ from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.server import Fault, OnshapeServer
-from tests.support.kept import Kept, fetched, onshape
+from tests.support.kept import Kept, fetched, onshape, recording
 from tests.support.traffic import at_path, rack, targets_of
-
-
-def zipped_source(path):
-    return SimpleNamespace(source=SimpleNamespace(kind="bundle", path=str(path)))
 
 
 def parts_in(request):
@@ -29,10 +24,9 @@ def parts_in(request):
 @pytest.mark.parametrize(
     ("used", "unused", "some"), [(2, 9, True), (2, 8, False), (12, 13, True), (12, 12, False)]
 )
-def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, unused, some):
+def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, unused, some, kept):
     document = rack(used, unused)
     ids = sorted(part.id for part in document.studios[0].parts[:used])
-    kept = Kept()
     with OnshapeServer(document) as server:
         outcome = fetched(onshape(server.document_url()), kept, server.environ)
         assert (outcome.calls, server.count) == (3, 3)
@@ -74,10 +68,9 @@ def test_a_reply_for_all_parts_that_is_kept_serves_a_robot_that_needs_some():
         assert (again.calls, again.saved) == (1, 2)
 
 
-def test_a_server_that_forgets_parts_is_asked_for_all():
+def test_a_server_that_forgets_parts_is_asked_for_all(kept):
     document = rack(2, 20)
     ids = sorted(part.id for part in document.studios[0].parts[:2])
-    kept = Kept()
     with OnshapeServer(document) as server:
 
         def first_part_only(method, path, number):
@@ -94,8 +87,7 @@ def test_a_server_that_forgets_parts_is_asked_for_all():
         assert fetched(onshape(server.document_url("m")), kept).bundle == outcome.bundle
 
 
-def test_the_quality_is_part_of_what_is_kept():
-    kept = Kept()
+def test_the_quality_is_part_of_what_is_kept(kept):
     with OnshapeServer(rack(1, 0)) as server:
         url = server.document_url("m")
         qualities = [{}, {"angle": 0.1}, {"chord": 0.001}, {"max_facet_width": 0.01}]
@@ -111,9 +103,8 @@ def test_the_quality_is_part_of_what_is_kept():
 
 
 @pytest.mark.parametrize("fault", [*map(Fault, (404, 406, 400, 415))])
-def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path):
+def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path, kept):
     document = rack(3, 1)
-    kept = Kept()
     with OnshapeServer(document) as server:
         right = fetched(onshape(server.document_url("m")), Kept(), server.environ).bundle
         server.reset()
@@ -132,11 +123,10 @@ def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path):
     for name, body in theirs.items():
         assert np.abs(ours[name].points - body.points).max() < 1e-8
     (tmp_path / "rack.zip").write_bytes(pack(outcome.bundle))
-    assert fetched(zipped_source(tmp_path / "rack.zip")).bundle == outcome.bundle
+    assert fetched(recording(tmp_path / "rack.zip")).bundle == outcome.bundle
 
 
-def test_where_gltf_is_refused_too_the_first_refusal_is_reported():
-    kept = Kept()
+def test_where_gltf_is_refused_too_the_first_refusal_is_reported(kept):
     with OnshapeServer(rack(2, 0)) as server:
         faces = at_path(Fault(400, b'{"message": "no faces"}'), "/tessellatedfaces")
         gltf = at_path(Fault(400, b'{"message": "no glTF"}'), "/gltf")
@@ -173,7 +163,7 @@ def test_some_parts_and_all_parts_give_the_same_triangles(tmp_path):
     for kind, data in (("live", pack(live)), ("raw", bundle_bytes(document))):
         path = tmp_path / f"{kind}.zip"
         path.write_bytes(data)
-        zipped[kind] = fetched(zipped_source(path)).bundle
+        zipped[kind] = fetched(recording(path)).bundle
     assert zipped["live"] == live
     bodies = [body_arrays.decode(b.body(b.studios[0].tessellation)) for b in (zipped["live"], zipped["raw"])]
     assert set(bodies[0]) < set(bodies[1])
