@@ -10,19 +10,18 @@ from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.errors import AssemblyError
 from tests.fake_onshape import solids
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.extended_sample import ask
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.building import plan_of, robot_of
 from tests.support.kept import fetched, onshape
-from tests.support.kit import TOP, Kit
+from tests.support.kit import TOP
 from tests.support.reported import codes, reports
 
 RED, BLUE = (255, 0, 0), (0, 0, 255)
 
 
-def geometry_of(document: Document):
+def geometry_of(document):
     """The robot and its meshes, fetched from a server."""
     with OnshapeServer(document) as server:
         bundle = fetched(onshape(server.document_url()), environ=server.environ).bundle
@@ -30,7 +29,7 @@ def geometry_of(document: Document):
     return robot, make_geometry(robot, bundle, plan_of(), lambda kind, key, make: make())
 
 
-def extent(geometry, link: str, role: str) -> np.ndarray:
+def extent(geometry, link, role):
     """The size [m] of a link's meshes of a role along x, y and z."""
     facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     files = [shape.file for shape in geometry.shapes if (shape.link, shape.role) == (link, role)]
@@ -40,7 +39,7 @@ def extent(geometry, link: str, role: str) -> np.ndarray:
     return np.ptp(corners, axis=0)
 
 
-def with_sheet(kit: Kit, **more):
+def with_sheet(kit, **more):
     """A base with a sheet, larger than it, on top."""
     base = kit.place("Base", fixed=True)
     sheet = kit.root.add(kit.studio.sheet("Skin", solids.box(0.5, 0.5, 0.001), **more))
@@ -78,7 +77,7 @@ def test_a_link_of_sheets_alone_cannot_be_built(kit):
         robot_of(kit.document)
 
 
-def composed(kit: Kit):
+def composed(kit):
     """A base, and a composite of two bars of different densities that turns on it."""
     base = kit.place("Base", fixed=True)
     light = kit.studio.part("Light", solids.box(0.1, 0.1, 0.1), density=1000, colour=RED)

@@ -38,15 +38,6 @@ def test_q_is_the_first_entity_relative_to_the_second(kit, first_is_child):
     assert np.abs(pose - kit.document.truth.poses({"Elbow": 1.0})[arm.path]).max() < 1e-12
 
 
-def test_limits_of_a_slide_are_in_metres_and_may_be_open(kit):
-    base, cart = kit.based("Cart")
-    kit.root.slider("Rail", (cart, TOP), (base, SIDE), value=0.2, limits=(None, 0.3))
-    (joint,) = robot_of(kit.document).joints
-    (dof,) = joint.dofs
-    assert (joint.type, dof.limits) == ("prismatic", Limits(None, 0.3))
-    assert dof.saved == pytest.approx(0.2, abs=1e-12)
-
-
 def test_fastened_parts_and_groups_are_one_link(kit):
     base, plate, screw, arm = kit.based("Plate", "Screw", "Arm")
     kit.root.fasten("Bolt", (plate, TOP), (base, SIDE))
@@ -122,23 +113,6 @@ def geared(kit, values, limits, ratio, **more):
     return robot_of(kit.document)
 
 
-@pytest.mark.parametrize(
-    ("values", "ratio", "more", "multiplier", "offset", "reported"),
-    [
-        ((0.2, -0.3), 1.5, {}, -1.5, 0.0, []),
-        ((0.2, 0.3), 1.5, {"reverse": True}, 1.5, 0.0, []),
-        ((0.2, 0.5), 1.0, {}, -1.0, 0.7, ["W-RELATION-OFFSET"]),
-    ],
-    ids=["against", "reversed", "off"],
-)
-def test_a_gear_turns_its_mates_against_each_other(kit, values, ratio, more, multiplier, offset, reported):
-    robot = geared(kit, values, ((-1, 1), (-2, 2)), ratio, **more)
-    (relation,) = robot.relations
-    assert (relation.driver, relation.follower, relation.multiplier) == ("first", "second", multiplier)
-    assert relation.offset == pytest.approx(offset, abs=1e-12)
-    assert codes(robot) == reported
-
-
 @pytest.mark.parametrize("degrees", [0, 90, 180])
 def test_two_gears_drawn_opposite_turn_against_each_other(kit, degrees, tmp_path):
     at = math.radians(degrees)
@@ -191,34 +165,6 @@ def test_a_follower_is_saved_at_the_turn_that_its_driver_gives(kit, tmp_path):
     assert failures(tmp_path, robot) == []
 
 
-@pytest.mark.parametrize(
-    ("values", "gears", "driven"),
-    [
-        (
-            (0.4, -0.2, 0.1),
-            ((0, 1, 0.5), (2, 1, 2)),
-            {"turn_1": ("turn_0", -0.5), "turn_2": ("turn_0", 0.25)},
-        ),
-        ((0.1, -0.2, 0.4), ((0, 1, 2), (1, 2, 2)), {"turn_1": ("turn_0", -2.0), "turn_2": ("turn_0", 4.0)}),
-        ((0, 0, 0), ((0, 1, 1), (1, 0, 1)), r"related already|in a circle"),
-    ],
-    ids=["driven twice", "chain", "circle"],
-)
-def test_gears_are_flattened_and_circles_refused(kit, values, gears, driven):
-    base, *wheels = kit.based("One", "Two", "Three")
-    mates = [
-        kit.root.revolute(f"Turn {n}", (wheel, TOP), (base, turn((1, 0, 0), n)), value=value)
-        for n, (wheel, value) in enumerate(zip(wheels, values, strict=True))
-    ]
-    for number, (first, second, ratio) in enumerate(gears):
-        kit.root.gear(f"Gear {number}", mates[first], mates[second], ratio)
-    if isinstance(driven, str):
-        with pytest.raises(AssemblyError, match=driven):
-            robot_of(kit.document)
-        return
-    assert {r.follower: (r.driver, r.multiplier) for r in robot_of(kit.document).relations} == driven
-
-
 def test_a_loop_is_kept_and_the_driven_mate_stays_in_the_tree(kit):
     four_bar(kit, limits=True)
     robot = robot_of(kit.document)
@@ -248,16 +194,6 @@ def test_fastening_to_the_origin_fixes_the_base(kit):
     robot = robot_of(kit.document)
     assert (robot.root.name, robot.base.fixed) == ("base", True)
     assert "Anchor" in robot.base.reason
-
-
-def test_later_entries_of_joints_win_field_by_field(kit):
-    base, part_a, part_b = kit.based("One", "Two")
-    kit.root.revolute("Left hip", (part_a, TOP), (base, SIDE))
-    kit.root.revolute("Right hip", (part_b, TOP), (base, TOP))
-    plan = plan_of(joints={"*": {"damping": 0.1, "effort": 5}, "left*": {"effort": 7, "limits": [-1, None]}})
-    left, right = robot_of(kit.document, plan).dofs
-    assert (left.dynamics.damping, left.dynamics.effort, left.limits) == (0.1, 7, Limits(-1, None))
-    assert (right.dynamics.damping, right.dynamics.effort, right.limits) == (0.1, 5, Limits())
 
 
 def test_suppressed_things_are_as_absent(kit):

@@ -42,13 +42,13 @@ def kit():
     return kit
 
 
-def add(kit: Kit, name: str, size=SIZE, count: int = 1, **more):
+def add(kit, name, size=SIZE, count=1, **more):
     part = kit.studio.part(name, solids.box(*size), **more)
     for _ in range(count):
         kit.root.add(part)
 
 
-def weights(kit: Kit, bundle=None, **mass):
+def weights(kit, bundle=None, **mass):
     """What each part weighs by title, and the log."""
     bundle = bundle or bundle_of(kit.document)
     assembly = read_assembly(bundle.body(bundle.definition))
@@ -57,11 +57,11 @@ def weights(kit: Kit, bundle=None, **mass):
     return {assembly.occurrences[path].title: weight for path, weight in by_path.items()}, log
 
 
-def box_inertia(mass: float, x: float, y: float, z: float) -> np.ndarray:
+def box_inertia(mass, x, y, z):
     return mass / 12 * np.diag([y * y + z * z, x * x + z * z, x * x + y * y])
 
 
-def is_box(inertial: Inertial, mass: float, size=SIZE) -> None:
+def is_box(inertial, mass, size=SIZE):
     """Whether this is a box of this size."""
     assert inertial.mass == pytest.approx(mass, rel=1e-9)
     np.testing.assert_allclose(inertial.com, [0, 0, 0], atol=1e-12)
@@ -212,7 +212,7 @@ def test_a_sheet_weighs_nothing_but_what_the_user_says(kit):
     assert masses["Sticker <1>"][0].inertia[0, 0] == pytest.approx(0.01 * about_x, rel=1e-9)
 
 
-def body(points, triangles) -> Body:
+def body(points, triangles):
     corners = np.array(triangles, dtype=np.int32).reshape(-1, 3)
     return Body("b", np.array(points, dtype=float), corners, (), np.zeros(len(triangles), dtype=np.uint16))
 

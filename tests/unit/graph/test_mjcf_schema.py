@@ -21,11 +21,10 @@ from linkwright.stages.graph import build_robot
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.codec import encode_robot
-from linkwright.stages.robot.model.robot import Robot
 from tests.support.building import plan_of
-from tests.support.mujoco_schema import Where, schema
+from tests.support.mujoco_schema import schema
 
-LEFT_WHOLE: tuple[Where, ...] = (
+LEFT_WHOLE = (
     *((name,) for name in ("custom", "deformable")),
     *(("asset", name) for name in ("texture", "skin")),
     ("body", "flexcomp"),
@@ -111,7 +110,7 @@ Values = Mapping[str, str | None]
 
 BETWEEN_SITES = {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None}
 
-SAID: Mapping[str, str | Values] = {
+SAID = {
     **dict(
         entry.strip().split(" = ")
         for line in """pos = 0 .1 .2; quat = 1 1 0 0; axisangle = 1 0 0 1; euler = 1 0 0; zaxis = 1 0 0
@@ -150,7 +149,7 @@ CRANK = {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": 
 ACTIVE = {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"}
 SENSORS = ("rangefinder", "tendonpos", "framepos", "subtreecom", "insidesite", "distance", "contact", "clock")
 
-ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
+ELSEWHERE = {
     **{
         tuple(name.split()): value
         for name, value in {
@@ -208,7 +207,7 @@ ON_TOP = {"mocap", "sleep"}
 PLAN = plan_of(root={"disconnected": "separate"})
 
 
-def robot_of(tree: etree._Element) -> Robot:
+def robot_of(tree):
     """The robot of an MJCF; ValueError where MuJoCo does not take it."""
     spec = mujoco.MjSpec.from_string(etree.tostring(tree).decode())
     model = spec.compile()
@@ -219,7 +218,7 @@ def robot_of(tree: etree._Element) -> Robot:
     return build_robot(bundle, PLAN)
 
 
-def values_of(element: str, attribute: str) -> list[Values]:
+def values_of(element, attribute):
     """Attributes to set, in the order in which they are tried."""
     text = ELSEWHERE.get((element, attribute), SAID.get(attribute))
     if text is None:
@@ -227,7 +226,7 @@ def values_of(element: str, attribute: str) -> list[Values]:
     return [{attribute: text} if isinstance(text, str) else text]
 
 
-def changed(where: Where, values: Values) -> etree._Element:
+def changed(where, values):
     """The model with one element that says more."""
     tree = etree.fromstring(BASE)
     path = "/".join({"body": "worldbody/body/body"}.get(step, step) for step in where)
@@ -253,15 +252,15 @@ def changed(where: Where, values: Values) -> etree._Element:
     return tree
 
 
-def without_findings(robot: Robot) -> bytes:
+def without_findings(robot):
     return encode_robot(replace(robot, diagnostics=()))
 
 
-def left(robot: Robot) -> list[str]:
+def left(robot):
     return [note.message for note in robot.diagnostics if note.code.endswith("MJCF-LEFT")]
 
 
-def is_named(robot: Robot, where: Where, attribute: str) -> bool:
+def is_named(robot, where, attribute):
     """Whether a diagnostic has the names of the element and of the attribute beside each other."""
     phrases = [re.findall(r"\w+", phrase) for message in left(robot) for phrase in re.split("[;:]", message)]
     section = {where[0]} & {"actuator", "contact", "equality", "sensor", "tendon"}
@@ -269,7 +268,7 @@ def is_named(robot: Robot, where: Where, attribute: str) -> bool:
     return any(attribute in words and elements & set(words) for words in phrases)
 
 
-def lost(where: Where, attributes: list[str], base: Robot) -> list[str]:
+def lost(where, attributes, base):
     """The attributes that are neither carried over nor named."""
     silent = []
     for attribute in attributes:
@@ -288,7 +287,7 @@ def lost(where: Where, attributes: list[str], base: Robot) -> list[str]:
     return silent
 
 
-def walked() -> list[tuple[Where, list[str]]]:
+def walked():
     """The elements that are looked at attribute by attribute."""
     whole = (*LEFT_WHOLE, *COMPILED)
     beneath = [(where, names) for where, names in schema() if not any(where[: len(w)] == w for w in whole)]

@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 
 import mujoco
 import pytest
@@ -28,14 +27,14 @@ ODD = ["joint_0.0", "LF-HAA", "left/hip", "upper arm", "Überarm", "a[0]", "x*",
 """Names that URDF and MJCF allow."""
 
 
-def chain_of(names: list[str]) -> str:
+def chain_of(names):
     """A URDF in which each name is a joint's and its child's."""
     links = ["base", *names]
     joints = (joint(name, parent, name) for parent, name in zip(links, names, strict=False))
     return robot_text(*(link(name) for name in links), *joints)
 
 
-def named(folder: Path, robot) -> dict[str, set[str]]:
+def named(folder, robot):
     """The names in the files of a robot, which pass every check, and whose names are not reported."""
     assert failures(folder, robot) == []
     urdf, mjcf = (etree.parse(folder / f"robot.{end}").getroot() for end in ("urdf", "xml"))
@@ -45,7 +44,7 @@ def named(folder: Path, robot) -> dict[str, set[str]]:
     return {kind: {element.get("name") for element in elements} for kind, elements in nodes.items()}
 
 
-def table_of(folder: Path) -> dict:
+def table_of(folder):
     return json.loads((folder / "robot.json").read_text())
 
 

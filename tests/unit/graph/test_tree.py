@@ -12,7 +12,7 @@ from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of
 from linkwright.stages.graph.robot_from_tree import place
 from linkwright.stages.graph.root import choose_root
 from linkwright.stages.graph.section import GraphSections
-from linkwright.stages.graph.tree import Tree, spanning_tree
+from linkwright.stages.graph.tree import spanning_tree
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Disconnected, NoRoot
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
@@ -23,35 +23,35 @@ from tests.support.reported import codes, reports
 IDENTITY = frozen(np.eye(4))
 
 
-def body(name: str, mass: float = 1.0, held: str = "", **more: object) -> RigidBody:
+def body(name, mass=1.0, held="", **more):
     inertial = Inertial(mass, frozen(np.zeros(3)), frozen(np.eye(3) * mass))
     part = Part((name,), f"{name} <1>", "p", None, IDENTITY, IDENTITY, inertial, 1.0)
     parts = () if name == "world" else (part,)
     return replace(RigidBody(name, (name,), parts, frozenset({name, f"{name} <1>"}), held, IDENTITY), **more)
 
 
-def pose(seed: int) -> np.ndarray:
+def pose(seed):
     drawn = np.random.default_rng(seed)
     return frozen(from_parts(rotation_from_rpy(tuple(drawn.uniform(-3, 3, 3))), drawn.uniform(-1, 1, 3)))
 
 
-def mate(name, first, second, kind="REVOLUTE", seed=1, limits=None) -> Connection:
+def mate(name, first, second, kind="REVOLUTE", seed=1, limits=None):
     dofs, ref = dofs_of(name, kind, limits or {}, np.eye(4)), MateRef((), name, name.title(), kind)
     frames = (pose(seed), pose(seed))
     return Connection(name, JOINT_TYPES[kind], (first, second), frames, dofs, 0.0, ref, name.title())
 
 
-def mechanism(bodies: list[RigidBody], connections: list[Connection], **more: object) -> Mechanism:
+def mechanism(bodies, connections, **more):
     made = Mechanism(tuple(bodies), tuple(connections), (), (), Provenance("", "", "", ""))
     return replace(made, **more)
 
 
-def keys(**root: object) -> GraphSections:
+def keys(**root):
     cut = root.pop("cut", ())
     return GraphSections.model_validate({"root": root, "loops": {"cut": cut}})
 
 
-def tree_of(drawn: Mechanism, log: Diagnostics | None = None, **root: object) -> Tree:
+def tree_of(drawn, log=None, **root):
     return spanning_tree(drawn, keys(**root), log or Diagnostics())
 
 
@@ -114,14 +114,14 @@ def test_what_moves_against_the_origin_makes_it_the_root():
     assert codes(log) == ["E-BASE"]
 
 
-def ring(*kinds: str, **limits: dict) -> Mechanism:
+def ring(*kinds, **limits):
     """A single loop of bodies b0, b1, ... with mates m0 (b0 to b1), m1, ..."""
     count, names = len(kinds), [f"m{i}" for i in range(len(kinds))]
     mates = [mate(n, i, (i + 1) % count, kinds[i], limits=limits.get(n)) for i, n in enumerate(names)]
     return mechanism([body(f"b{i}", 1.0 + (i == 0)) for i in range(count)], mates)
 
 
-def cut(drawn: Mechanism, log: Diagnostics | None = None, **root: object) -> set[str]:
+def cut(drawn, log=None, **root):
     return {connection.name for connection in tree_of(drawn, log, **root).cut}
 
 
@@ -183,7 +183,7 @@ def test_loose_bodies_are_an_error_that_lists_the_ways_out():
     assert "separate" in caught.value.hint
 
 
-def stays(robot) -> None:
+def stays(robot):
     """Whether the parts are where they were."""
     poses = link_poses(robot, saved_configuration(robot))
     for link in robot.links:

@@ -22,7 +22,7 @@ BODY = """<inertial><origin xyz="0 0 .1" rpy="0 0 0"/><mass value="1"/>
 SHAPE = '<origin xyz="0 0 0" rpy="0 0 0"/><geometry><{shape}/></geometry>'
 
 
-def shape(role: str, solid: str) -> str:
+def shape(role, solid):
     return f"<{role}>{SHAPE.format(shape=solid)}</{role}>"
 
 
@@ -83,7 +83,7 @@ WITHOUT_MEANING = {"robot name other"}
 """The robot is called as its file is."""
 
 
-def changed(line: str) -> bytes:
+def changed(line):
     """The URDF that says this too."""
     where, action, *value = line.split(" ")
     tree = etree.fromstring(BASE)
@@ -105,7 +105,7 @@ def changed(line: str) -> bytes:
     return etree.tostring(tree)
 
 
-def outcome(text: bytes) -> tuple[set[str], bytes]:
+def outcome(text):
     """Returns the messages on what was left out, and the robot without them."""
     robot = urdf_robot(text)
     codes = ("I-URDF-LEFT", "W-URDF-UNKNOWN", "W-URDF-MIMIC", "W-URDF-MATERIAL", "I-URDF-TEXTURE")

@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.stages.graph.onshape.assembly import Assembly
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.onshape_to_robot import translated
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.kinematics import link_poses
-from tests.fake_onshape.document import ORIGIN, Document
+from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.prefixed import LIKE_THEIRS, prefixed
 from tests.support.building import bundle_of, plan_of, robot_of
@@ -27,7 +26,7 @@ THEIRS = Path(__file__).parent / "peer_output"
 HERE = np.eye(4)
 
 
-def built(document: Document) -> Robot:
+def built(document):
     return robot_of(document, plan_of(conventions="onshape_to_robot"))
 
 
@@ -70,7 +69,7 @@ def test_base_loops_and_gears_are_those_of_the_tool(robot):
     assert all(dof.saved == 0.0 for dof in robot.dofs)
 
 
-def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphSections, Diagnostics]:
+def read(kit, **keys):
     """What a document is in our own terms."""
     log, bundle = Diagnostics(), bundle_of(kit.document)
     assembly = read_assembly(bundle.body(bundle.definition))
@@ -78,20 +77,20 @@ def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphSections, Diagnostics
     return assembly, sections, log
 
 
-def codes(log: Diagnostics) -> list[str]:
+def codes(log):
     assert "I-PEER" in all_codes(log)
     return [code for code in all_codes(log) if code != "I-PEER"]
 
 
-def names(assembly: Assembly) -> list[tuple[str, str]]:
+def names(assembly):
     return sorted((mate.ref.name, mate.ref.type) for mate in assembly.mates)
 
 
-def connectors(assembly: Assembly) -> set[str]:
+def connectors(assembly):
     return {connector.name for connector in assembly.connectors}
 
 
-def armed(kit: Kit, name: str = "dof_a", kind: str = "revolute", fixed: str = "", **more: object):
+def armed(kit, name="dof_a", kind="revolute", fixed="", **more):
     """A base, and an arm on it by a mate of this name."""
     base, arm = (kit.place(part, fixed=part == fixed) for part in ("Base", "Arm"))
     getattr(kit.root, kind)(name, (arm, HERE), (base, TOP), **more)
@@ -219,7 +218,7 @@ def test_the_first_instance_is_the_root_and_only_its_fixing_counts(kit):
     assert assembly.occurrences[arm.path].fixed
 
 
-def geared(kit: Kit, names: tuple[str, str], reverse: bool):
+def geared(kit, names, reverse):
     base, part_a, part_b = (kit.place(name, fixed=name == "Base") for name in ("Base", "One", "Two"))
     first = kit.root.revolute(names[0], (part_a, HERE), (base, TOP))
     second = kit.root.revolute(names[1], (base, frame((0.3, 0, 0))), (part_b, SIDE))
@@ -236,7 +235,7 @@ def test_a_gear_moves_inverted_joints_as_it_does_in_cad(names, reverse):
     geared(kit, names, reverse)
     geared(plain, ("dof_a", "dof_b"), reverse)
 
-    def displacements(robot: Robot, amount: float):
+    def displacements(robot, amount):
         (relation,) = robot.relations
         assert (relation.driver, relation.follower, relation.offset) == ("a", "b", 0.0)
         moved = link_poses(robot, {"a": amount, "b": relation.multiplier * amount})

@@ -1,14 +1,10 @@
 """Which sub-assemblies move inside, what carries their frames, the origin as a body, hidden instances."""
 
-from collections import Counter
-
-import networkx as nx
 import numpy as np
 import orjson
 import pytest
 
-from linkwright.stages.graph.onshape.assembly import Assembly
-from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
+from linkwright.stages.graph.onshape.bodies import find_bodies
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.hidden import without_hidden
 from linkwright.stages.graph.section import DepthSection, GraphSections
@@ -22,14 +18,14 @@ from tests.support.kit import SIDE, TOP, Kit
 from tests.support.reported import codes, only, reports
 
 
-def read(kit: Kit, edit=None) -> Assembly:
+def read(kit, edit=None):
     data = definition(kit.document)
     if edit:
         edit(data)
     return read_assembly(orjson.dumps(data))
 
 
-def joined(kit: Kit, edit=None, welds=(), **depth) -> tuple[Bodies, Diagnostics]:
+def joined(kit, edit=None, welds=(), **depth):
     log = Diagnostics()
     assembly = read(kit, edit)
     return find_bodies(assembly, GraphSections(depth=DepthSection(**depth)), log, welds), log
@@ -54,7 +50,7 @@ def nested(kit):
     return kit
 
 
-def titles(kept) -> list[str]:
+def titles(kept):
     """The joints inside both arms whose titles pass."""
     inside = ("Wrist", "Gripper <1>/Close", "Gripper <1>/Finger <1>/Bend")
     return [title for n in (1, 2) for rest in inside if kept(title := f"Fore arm <{n}>/{rest}")]
@@ -65,7 +61,7 @@ WRISTS, BENDS = titles(lambda title: "Wrist" in title), titles(lambda title: "Be
 ELBOWS = {"Elbow 1", "Elbow 2"}
 
 
-def moving(bodies: Bodies) -> set[str]:
+def moving(bodies):
     return {mate.title for mate in bodies.moving}
 
 
@@ -119,7 +115,7 @@ def test_globs_that_fit_no_sub_assembly_list_them(nested):
     assert reports(joined(single, rigid=["a*"])[1]) == [("E-GLOB", "depth.rigid")]
 
 
-def motor(kit: Kit):
+def motor(kit):
     """A motor whose two parts move against each other."""
     made = kit.document.assembly("Motor")
     case, horn = kit.place("Case", made), kit.place("Horn", made)
@@ -232,7 +228,7 @@ def test_a_screw_names_one_mate_and_a_rack_has_a_length(kit):
     assert relations == {"Screw": (1, 0.002), "Rack": (2, 0.05)}
 
 
-def hidden(kit: Kit, *names: str) -> tuple[Assembly, Diagnostics]:
+def hidden(kit, *names):
     log = Diagnostics()
 
     def hide(data):
@@ -286,26 +282,3 @@ def test_hidden_instances_are_reported_by_name_up_to_ten(nested):
         nested.place(f"Bolt {number:02}", hidden=True)
     message = only(hidden(nested)[1]).message
     assert (message.endswith("4 more"), message.count("Bolt")) == (True, 10)
-
-
-@pytest.mark.slow
-def test_large_assemblies_are_merged_in_linear_time(monkeypatch):
-    """Counted, not timed: looking up the root of an occurrence, the unit of all the work."""
-    plain, calls = nx.utils.UnionFind.__getitem__, Counter()
-
-    def counted(self, key):
-        calls[size] += 1
-        return plain(self, key)
-
-    monkeypatch.setattr(nx.utils.UnionFind, "__getitem__", counted)
-    for size in (200, 400):
-        kit = Kit()
-        unit, case, _ = motor(kit)
-        part, last = kit.bar("Link"), kit.place("Base", fixed=True)
-        for number in range(size):
-            hinged, more = kit.root.add(part), kit.root.add(unit)
-            kit.root.revolute(f"Hinge {number}", (hinged, TOP), (last, SIDE))
-            kit.root.fasten(f"Weld {number}", (more / case, TOP), (hinged, SIDE))
-            last = hinged
-        find_bodies(read(kit), GraphSections(), Diagnostics())
-    assert calls[400] < 2.1 * calls[200]

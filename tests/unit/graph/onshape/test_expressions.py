@@ -16,11 +16,11 @@ DEGREE = math.pi / 180
 SCOPE = Scope({"reach": "30 deg", "twice": "#reach * 2", "wide": "1/2 in", "flag": "#reach > 1 rad"})
 
 
-def angle(text: str) -> float:
+def angle(text):
     return measured(text, "angle", SCOPE)
 
 
-def length(text: str) -> float:
+def length(text):
     return measured(text, "length", SCOPE)
 
 

@@ -14,7 +14,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate
 from linkwright.stages.graph.onshape.mates.limits import with_limits
 from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
 from linkwright.stages.robot.model.dofs import AS_TYPED
-from linkwright.stages.robot.model.robot import MateRef, Robot
+from linkwright.stages.robot.model.robot import MateRef
 from tests.fake_onshape.replies import Replies
 from tests.fake_onshape.settable import typed_arm
 from tests.support.building import plan_of, robot_of
@@ -25,11 +25,11 @@ from tests.support.reported import reports
 THIRTY = math.radians(30)
 
 
-def recorded(definition: bytes, replies: dict[str, bytes]) -> OnshapeBundle:
+def recorded(definition, replies):
     return gather(Recorded(read(pack(definition, replies), "recording"), "recording"))
 
 
-def arm_replies(change=None, old: bool = False, variables: bool = True, **typed) -> tuple[bytes, dict]:
+def arm_replies(change=None, old=False, variables=True, **typed):
     """The arm's definition without limits, and its replies; `change` edits the root's features."""
     document = typed_arm(**typed)
     server, here = Replies(document, newest=16, old=old), f"/d/{document.id}/m/{document.microversion}"
@@ -53,19 +53,19 @@ def arm_replies(change=None, old: bool = False, variables: bool = True, **typed)
     return server.answer(path, "includeMateFeatures=true&includeMateConnectors=true").body, answers
 
 
-def arm(change=None, keys=None, **how) -> Robot:
+def arm(change=None, keys=None, **how):
     return build_robot(recorded(*arm_replies(change, **how)), plan_of(**(keys or {})))
 
 
-def limits(robot: Robot) -> dict[str, tuple]:
+def limits(robot):
     return {dof.name: (dof.limits.lower, dof.limits.upper) for dof in robot.dofs}
 
 
-def limit_warnings(robot: Robot) -> dict[str, str]:
+def limit_warnings(robot):
     return {d.where: d.message for d in robot.diagnostics if d.code == "W-LIMIT"}
 
 
-def parameter(body: dict, mate: str, name: str) -> dict:
+def parameter(body, mate, name):
     """A parameter of a mate in a list of features, in either envelope."""
     records = [feature.get("message", feature) for feature in body["features"]]
     entry = next(record for record in records if record["name"] == mate)
@@ -85,19 +85,11 @@ def test_typed_limits_are_read_in_both_envelopes_at_any_depth(old):
     assert limits(robot)["curl"] == (pytest.approx(-THIRTY), None)
 
 
-def test_the_number_beside_an_expression_is_not_believed():
-    def stale(body: dict):
-        assert parameter(body, "Turn", "limitAxialZMax")["value"] == 0.0
-        parameter(body, "Turn", "limitAxialZMax")["value"] = 9.0
-
-    assert limits(arm(stale))["turn"][1] == pytest.approx(HIGH)
-
-
-def off(body: dict):
+def off(body):
     parameter(body, "Turn", "limitsEnabled")["value"] = False
 
 
-def drop(body: dict):
+def drop(body):
     body["features"] = [feature for feature in body["features"] if feature["name"] != "Turn"]
 
 
@@ -133,7 +125,7 @@ def test_without_a_list_every_joint_of_it_is_reported():
     assert all("the list of features is missing" in message for message in warnings.values())
 
 
-def configured(text: str, change=None) -> Robot:
+def configured(text, change=None):
     """The arm in this configuration."""
     definition, replies = arm_replies(change)
     data = json.loads(definition)
@@ -146,7 +138,7 @@ def configured(text: str, change=None) -> Robot:
     [("size=Small", 20), ("size=Large", 70), ("open=true;size=Small", 20), ("size=Medium", None)],
 )
 def test_a_configured_limit_is_the_one_of_this_configuration(settings, upper):
-    def by_size(body: dict):
+    def by_size(body):
         mate = next(feature for feature in body["features"] if feature["name"] == "Turn")
         at = [entry["parameterId"] for entry in mate["parameters"]].index("limitAxialZMax")
         kind, value = "BTMConfiguredValueByEnum-1923", mate["parameters"][at]
@@ -204,13 +196,13 @@ TYPED = {
 UNITS = {"deg": math.radians(1), "mm": 0.001}
 
 
-def in_si(typed: dict[str, str]) -> dict[str, object]:
+def in_si(typed):
     """The limits of these texts in SI, by the names of the API."""
     pairs = {name: text.split() for name, text in typed.items()}
     return {f"limit{name}": pytest.approx(float(n) * UNITS[unit]) for name, (n, unit) in pairs.items()}
 
 
-def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> list[Mate]:
+def resolved(kind, typed, copies=("",), more=None):
     """Mates of this type in the root, whose list of features gives these limits; `more`: by name, what
     else their parameters say."""
     root = {"documentId": "d", "documentMicroversion": "m", "elementId": "e"}
@@ -245,7 +237,7 @@ def test_copies_of_a_mate_take_its_limits():
     assert all("#lost" in mate.limit_origin.unknown for mate in mates)
 
 
-def sided(kind: str, side: str) -> tuple[dict[str, str], dict[str, dict]]:
+def sided(kind, side):
     """The limits of which only this `side` (Min or Max) was typed, and what the untouched say."""
     unit = {name: "deg" if "A" in name else "mm" for name in OF_TYPE[kind]}
     typed = {name: f"{index + 1} {unit[name]}" for index, name in enumerate(OF_TYPE[kind])}
@@ -299,11 +291,11 @@ def test_a_limit_is_what_was_typed(text, more, upper, reason):
 
 
 def test_a_doubtful_limit_is_reported_until_yaml_resolves_it():
-    def contradict(body: dict):
+    def contradict(body):
         parameter(body, "Push", "limitZMax")["nullValue"] = "No maximum"
         parameter(body, "Push", "limitZMin")["nullValue"] = "No minimum"
 
-    def about(robot: Robot) -> list[tuple[str, str]]:
+    def about(robot):
         return sorted(reports(robot, "W-LIMIT-DOUBT") + reports(robot, "I-LIMIT-OPEN"))
 
     robot = arm(contradict)
@@ -370,7 +362,7 @@ def test_the_kbot_has_its_limits_where_its_variables_are_known():
         assert by_name[feature] == (pytest.approx((low, high)) if low <= high else (None, None))
 
 
-def expressions_of(bodies) -> dict[str, list[str]]:
+def expressions_of(bodies):
     """Feature id → (lower, upper) as typed, of every mate with limits, straight from the recordings."""
     typed = {}
     for feature in (entry["message"] for body in bodies for entry in json.loads(body)["features"]):

@@ -9,18 +9,15 @@ import pytest
 import yaml
 
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.errors import Disconnected
 from linkwright.stages.robot.model.poses import inverse
-from linkwright.stages.robot.model.robot import Joint, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.fake_onshape import solids
-from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import frame, turn
 from tests.fake_onshape.mates import MIRROR
 from tests.support.building import bundle_of, plan_of, robot_of
-from tests.support.kit import OFF, ON, SIDE, TOP, Kit
+from tests.support.kit import OFF, ON, SIDE, TOP
 from tests.support.patterned import PLANE, codes, copies, displacement, drawn, expected
 from tests.support.reported import only, reports
 from tests.unit.graph.onshape.test_patterns import KINDS
@@ -30,13 +27,13 @@ REFLECTION = PLANE @ MIRROR @ inverse(PLANE)
 PART_REFLECTION = STUDIO_PLANE @ MIRROR @ inverse(STUDIO_PLANE)
 
 
-def hook(kit: Kit, name: str, density: float | None = 1000):
+def hook(kit, name, density=1000):
     """A part that no motion takes to its mirror image."""
     solid = solids.box(0.02, 0.03, 0.1) + solids.box(0.01, 0.03, 0.02, at=(0.03, 0.01, 0.05))
     return kit.studio.part(name, solid + solids.box(0.01, 0.01, 0.01, at=(0.0, 0.03, -0.02)), density=density)
 
 
-def hooked(kit: Kit, kind: str = "revolute", value: object = 0.4, density: float | None = 1000):
+def hooked(kit, kind="revolute", value=0.4, density=1000):
     """A fixed base with a hook on it by one mate."""
     base, arm = kit.place("Base", fixed=True), kit.root.add(hook(kit, "Arm", density))
     getattr(kit.root, kind)("Joint", (arm, TOP), (base, SIDE), value=value)
@@ -73,7 +70,7 @@ def test_the_plane_is_found_with_and_without_material(kit, plane, density):
     assert plane[:3, 2] @ (written["xyz"] - plane[:3, 3]) == pytest.approx(0, abs=1e-6)
 
 
-def symmetric_pair(kit: Kit, reflects: bool):
+def symmetric_pair(kit, reflects):
     """An arm that reflects onto itself, and a hook; their mirror images by one mirror at y = 0."""
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Joint", (arm, turn((0.6, 0, 0.8), 0.4)), (base, turn((0, 0.6, 0.8), 0.4, (0, 0.2, 0))))
@@ -90,7 +87,7 @@ def test_a_symmetric_part_moves_as_its_mirror_image(kit, reflects):
     arm, *_ = symmetric_pair(kit, reflects)
     turned = np.diag([1.0, -1.0, 1.0, 1.0])
 
-    def moved(root: dict):
+    def moved(root):
         (place,) = (place for place in root["occurrences"] if tuple(place["path"]) == arm.path)
         place["transform"] = (np.reshape(place["transform"], (4, 4)) @ turned).ravel().tolist()
 
@@ -100,7 +97,7 @@ def test_a_symmetric_part_moves_as_its_mirror_image(kit, reflects):
     assert np.abs(displacement(assembly, mate, 1.1) - truth).max() < 1e-12
 
 
-def is_moved(kit: Kit, assembly, path, mate, amount: float, owner=()) -> None:
+def is_moved(kit, assembly, path, mate, amount, owner=()):
     """Whether a copied mate moves its copy as the document's own copied joint does."""
     joints = [joint for joint in kit.document.truth.joints if joint.copies and joint.owner == owner]
     truth = expected(kit, path, {joints[0].name: amount})
@@ -132,7 +129,7 @@ def test_planes_without_a_mirror_and_other_patterns_are_reported(kit):
     _, log = drawn(kit, mirrors={"Imag": {"normal": [0, 1, 0]}})
     assert reports(log)[0] == ("E-GLOB", "mirrors")
 
-    def circular(root: dict):
+    def circular(root):
         root["parametricInstances"][0]["type"] = "Circular pattern"
 
     assembly, log = drawn(kit, edit=circular)
@@ -157,7 +154,7 @@ def test_a_mirror_in_a_sub_assembly_has_its_plane_there(kit):
             is_moved(kit, assembly, (*mate.ref.owner, image.last.id), mate, 1.2, mate.ref.owner)
 
 
-def leg(kit: Kit, name: str, image: bool):
+def leg(kit, name, image):
     """A sub-assembly of four hooks, two of them fastened, with a turn and a slide; its first part.
 
     `image`: of the mirror-image parts, with the mates that a designer draws on these.
@@ -168,7 +165,7 @@ def leg(kit: Kit, name: str, image: bool):
         sub.add(kit.studio.image(part, PART_REFLECTION) if image else part) for part in parts
     )
 
-    def on(at: np.ndarray) -> np.ndarray:
+    def on(at):
         return PART_REFLECTION @ at @ MIRROR if image else at
 
     sub.fasten("Bolts", (plate, on(TOP)), (hip, on(OFF)))
@@ -178,7 +175,7 @@ def leg(kit: Kit, name: str, image: bool):
     return sub, hip
 
 
-def legs(kit: Kit) -> tuple[list[Occurrence], list[Occurrence]]:
+def legs(kit):
     """A base with a leg and a hook, and their mirror images, all by mates: the former and the latter."""
     for number in range(4):
         hook(kit, f"Leg {number}", density=1000 + 300 * number)
@@ -197,7 +194,7 @@ def legs(kit: Kit) -> tuple[list[Occurrence], list[Occurrence]]:
     return seeds, images
 
 
-def as_a_mirror_leaves_it(bundle: OnshapeBundle, seeds, images) -> OnshapeBundle:
+def as_a_mirror_leaves_it(bundle, seeds, images):
     """The replies as if a mirror had made the images: without their mates, with the mirror's record."""
     definition = orjson.loads(bundle.body(bundle.definition))
     root = definition["rootAssembly"]
@@ -217,7 +214,7 @@ def as_a_mirror_leaves_it(bundle: OnshapeBundle, seeds, images) -> OnshapeBundle
     return replace(bundle, blobs=blobs)
 
 
-def coordinates(robot: Robot) -> dict[tuple[str, ...], Joint]:
+def coordinates(robot):
     """The parts of the child of each joint → the joint."""
     children = {link.name: tuple(sorted("/".join(part.path) for part in link.parts)) for link in robot.links}
     return {children[joint.child]: joint for joint in robot.joints}
@@ -255,7 +252,7 @@ def test_mirrored_legs_are_the_robot_that_mates_make(kit):
         assert (dof.limits.lower, dof.limits.upper) == ((-high, -low) if reversed_ else (low, high))
 
 
-def part_poses(robot: Robot, q) -> dict[tuple[str, ...], np.ndarray]:
+def part_poses(robot, q):
     poses = link_poses(robot, q)
     return {
         part.path: robot.world_from_root @ poses[link.name] @ part.link_from_part

@@ -2,22 +2,18 @@
 
 import json
 import random
-from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import AssemblyError, LinkwrightError, ProtocolError
-from linkwright.stages.robot.model.robot import Robot
 from tests.fake_onshape.document import ORIGIN
 from tests.fake_onshape.frames import frame
 from tests.support.building import bundle_of, plan_of
-from tests.support.kit import OFF, ON, SIDE, TOP, Kit
+from tests.support.kit import OFF, ON, SIDE, TOP
 from tests.support.reported import only, reports
 from tests.unit.graph.onshape.test_limits import arm_replies, recorded
 
@@ -25,7 +21,7 @@ GONE = object()
 VALUES = (GONE, None, "x", [], {}, -1, 1e9, True)
 
 
-def rich(kit: Kit) -> Bundle:
+def rich(kit):
     """A bundle with something of every kind that a definition can hold."""
     root = kit.root
     base, wheel, head, screw = kit.based("Wheel", "Head", "Screw")
@@ -47,7 +43,7 @@ def rich(kit: Kit) -> Bundle:
     return bundle_of(kit.document)
 
 
-def places(node: Any, at: tuple = ()) -> Iterator[tuple]:
+def places(node, at=()):
     """The way to every value in a JSON tree."""
     inside = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in inside:
@@ -55,7 +51,7 @@ def places(node: Any, at: tuple = ()) -> Iterator[tuple]:
         yield from places(value, (*at, key))
 
 
-def changed(tree: Any, at: tuple, value: object) -> bytes:
+def changed(tree, at, value):
     tree = deepcopy(tree)
     *above, last = at
     node = tree
@@ -68,11 +64,11 @@ def changed(tree: Any, at: tuple, value: object) -> bytes:
     return json.dumps(tree).encode()
 
 
-def with_body(bundle: Bundle, digest: str, body: bytes) -> Bundle:
+def with_body(bundle, digest, body):
     return replace(bundle, blobs={**bundle.blobs, digest: body})
 
 
-def is_sound(robot: Robot) -> bool:
+def is_sound(robot):
     """Whether all numbers are finite and all frames rigid."""
     poses = np.array([joint.parent_from_joint for joint in robot.joints])
     rotations = poses[:, :3, :3]
@@ -83,7 +79,7 @@ def is_sound(robot: Robot) -> bool:
     )
 
 
-def hurt(bundle: Bundle, digest: str, times: int):
+def hurt(bundle, digest, times):
     """Breaks a reply in so many ways, one at a time: each is refused, or gives a sound robot."""
     tree = json.loads(bundle.body(digest))
     every = [(at, value) for at in places(tree) for value in VALUES]
@@ -107,13 +103,13 @@ def test_replies_broken_anywhere_are_refused_or_understood(kit, reply, times):
         hurt(bundle, digest, times)
 
 
-def edited(bundle: Bundle, at: tuple, value: object) -> Bundle:
+def edited(bundle, at, value):
     return with_body(
         bundle, bundle.definition, changed(json.loads(bundle.body(bundle.definition)), at, value)
     )
 
 
-def reported_of(bundle: Bundle, **keys: object):
+def reported_of(bundle, **keys):
     """The reports on the robot of a bundle."""
     return reports(build_robot(bundle, plan_of(**keys)))
 

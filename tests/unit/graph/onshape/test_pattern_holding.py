@@ -5,19 +5,19 @@ import pytest
 
 from linkwright.stages.graph.section import DepthSection
 from tests.fake_onshape.frames import frame
-from tests.support.kit import SIDE, TOP, Kit
+from tests.support.kit import SIDE, TOP
 from tests.support.patterned import PLANE, bodies_of, copies, displacement, draw, drawn, mated, wheeled
 from tests.support.reported import notes, only
 
 
-def paths(*mates) -> set[tuple[str, ...]]:
+def paths(*mates):
     return {entity.path for mate in mates for entity in mate.entities}
 
 
-def _capped(cap: tuple[str, ...], arm: tuple[str, ...], kind: str):
+def _capped(cap, arm, kind):
     """A mate or a group more, of a cap on the seed."""
 
-    def edit(root: dict):
+    def edit(root):
         if kind == "group":
             data = {"name": "Cap", "occurrences": [{"occurrence": list(path)} for path in (cap, arm)]}
             root["features"].append({"id": "cap", "featureType": "mateGroup", "featureData": data})
@@ -30,7 +30,7 @@ def _capped(cap: tuple[str, ...], arm: tuple[str, ...], kind: str):
     return edit
 
 
-def row(kit: Kit):
+def row(kit):
     """A base, an arm on it, and the copy of the arm."""
     base, arm = draw(kit, "revolute", 0.4)
     ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
@@ -67,7 +67,7 @@ def test_a_copy_of_a_fixed_seed_is_held_by_its_mates_alone(kit):
     assert paths(*copies(drawn(kit)[0])) == {arm.path, second.path}
 
 
-def module(kit: Kit, inside: str = ""):
+def module(kit, inside=""):
     """A sub-assembly in which a foot is patterned: held inside as said, and placed on a base by the root."""
     sub = kit.document.assembly("Module")
     frame_part, foot = kit.place("Frame", sub), kit.place("Foot", sub)

@@ -1,7 +1,6 @@
 """Mobility by rank: textbook mechanisms, and a numeric count as the second opinion."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,16 +10,16 @@ from scipy.spatial.transform import Rotation
 from linkwright.stages.graph.passes.mobility import with_mobility
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import from_parts, inverse, motion, turn
-from linkwright.stages.robot.model.robot import Relation, Robot
+from linkwright.stages.robot.model.robot import Relation
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from tests.support.reported import codes
 from tests.support.robots import CHAINS, LOOPS, Z, at, joint, loop, pose, robot_with, some_value
 
 
-def drawn(joints, loops=(), relations=()) -> Robot:
+def drawn(joints, loops=(), relations=()):
     """A robot from frames in the world at its saved pose, where every value is 0: joints as
     (kind, parent, child, world_from_frame), loops as (kind, link_a, link_b, world_from_frame)."""
-    world: dict[str, np.ndarray] = {"base": np.eye(4)}
+    world = {"base": np.eye(4)}
     made = []
     for kind, parent, child, frame in joints:
         world[child] = frame
@@ -32,7 +31,7 @@ def drawn(joints, loops=(), relations=()) -> Robot:
     return robot_with(made, loops=closing, relations=relations)
 
 
-def along(axis, point) -> np.ndarray:
+def along(axis, point):
     """A frame at `point` with its z along `axis`."""
     z = np.array(axis, dtype=float) / np.linalg.norm(axis)
     x = np.cross(z, [0.3, -0.5, 0.8])
@@ -40,20 +39,20 @@ def along(axis, point) -> np.ndarray:
     return from_parts(np.column_stack([x, np.cross(z, x), z]), np.array(point, dtype=float))
 
 
-def counts(robot: Robot) -> tuple[tuple, Diagnostics]:
+def counts(robot):
     log = Diagnostics()
     mobility = with_mobility(robot, log).mobility
     return (mobility.coordinates, mobility.gruebler, mobility.dof, dict(mobility.redundant)), log
 
 
-def counted(robot: Robot) -> tuple:
+def counted(robot):
     """The counts of a robot of which nothing is reported."""
     mobility, log = counts(robot)
     assert codes(log) == []
     return mobility
 
 
-def polygon(*points, size: float = 1.0) -> Robot:
+def polygon(*points, size=1.0):
     """Bars between parallel pins at these points of a plane, the first and last on the base."""
     pins = [at(size * x, size * y, 0) for x, y in points]
     links = ["base", *(f"bar_{number}" for number in range(len(pins) - 1))]
@@ -88,7 +87,7 @@ def test_a_triangle_of_pins_is_rigid_and_says_so():
     assert log.found[0].message.endswith("bar_0_joint, bar_1_joint")
 
 
-def slider_crank(x, y, d, relations=()) -> Robot:
+def slider_crank(x, y, d, relations=()):
     """A crank with its pin at (x, y), a rod, and a piston at (d, 0)."""
     joints = [
         ("revolute", "base", "crank", at(0, 0, 0)),
@@ -219,13 +218,13 @@ def test_a_loop_between_links_that_do_not_move_is_redundant():
     assert counted(robot) == (0, -5, 0, {"loop_0": 5})
 
 
-def extended_nullity(robot: Robot) -> int:
+def extended_nullity(robot):
     """Motions by central differences: with the loops' own dofs as unknowns beside the tree's, each loop
     has six rows, the twist of frame a in frame b at the end of the loop's chain."""
     of_loops = [dof for loop in robot.loops for dof in loop.dofs]
-    saved: dict = {**saved_configuration(robot), **{dof.name: dof.saved for dof in of_loops}}
+    saved = {**saved_configuration(robot), **{dof.name: dof.saved for dof in of_loops}}
 
-    def gaps(q: Mapping) -> list[np.ndarray]:
+    def gaps(q):
         poses = link_poses(robot, q)
         return [
             inverse(poses[loop.link_b] @ loop.b_from_frame @ chain(loop.dofs, q))

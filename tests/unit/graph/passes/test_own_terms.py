@@ -1,25 +1,39 @@
-"""Joints in the user's own terms: zero, direction, rotor; what drives them in a source's file."""
+"""Joints in the user's own terms: zero, direction, rotor, the saved pose; what they come to in each file."""
 
 import functools
+from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+import yaml
 from lxml import etree
 
 from linkwright.stages.export import export
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
 from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.graph.passes.zero_pose import with_zero
-from linkwright.stages.graph.section import GraphSections
+from linkwright.stages.graph.section import GraphSections, JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Limits, MateValue, Relation, Robot
-from tests.support.building import NO_MESHES, plan_of
-from tests.support.mjcfs import body, model, robot_of, written
-from tests.support.robots import joint, robot_with
+from linkwright.stages.robot.model.poses import at_rest, rotation_from_quat
+from linkwright.stages.robot.model.robot import Limits, MateValue, Relation
+from linkwright.stages.robot.motion.kinematics import (
+    chain,
+    link_poses,
+    rest_configuration,
+    saved_configuration,
+)
+from tests.fake_onshape import solids
+from tests.fake_onshape.frames import frame
+from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.kit import Kit
+from tests.support.mjcfs import body, model, written
+from tests.support.mjcfs import robot_of as mjcf_robot
+from tests.support.reported import reports
+from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_with, some_value, some_values
 
 
-def counted(robot: Robot, zero="mate", **joints) -> tuple[Robot, Diagnostics]:
+def counted(robot, zero="mate", **joints):
     keys, log = GraphSections(joints=joints).joints, Diagnostics()
     robot = with_properties(robot, keys, log)
     return with_zero(robot, zero, keys, log), log
@@ -112,7 +126,7 @@ def compiled(tmp_path_factory):
     @functools.cache
     def engine(**keys):
         joints = {"slew": keys} if keys else {}
-        mjcf = export(robot_of(path, joints=joints), NO_MESHES, plan_of(joints=joints)).files["robot.xml"]
+        mjcf = export(mjcf_robot(path, joints=joints), NO_MESHES, plan_of(joints=joints)).files["robot.xml"]
         return mujoco.MjModel.from_xml_string(mjcf.decode())
 
     return engine
@@ -164,7 +178,7 @@ CONTROL = """
 def test_a_ros2_controls_ranges_are_counted_anew():
     tree = etree.fromstring(with_counts(CONTROL, {"slew": MateValue(-1, 0.5), "other": MateValue()}))
 
-    def values(path: str) -> dict[str, str]:
+    def values(path):
         return {element.get("name"): element.text for element in tree.findall(f"joint[@name='{path}/param")}
 
     assert values("slew']/command_interface[@name='position']") == {"max": "1.5", "min": "-1.5"}
@@ -175,3 +189,173 @@ def test_a_ros2_controls_ranges_are_counted_anew():
     counts = {element.tag: float(element.text) for element in tree.find("transmission/joint")}
     assert counts == {"mechanical_reduction": -50, "offset": 0.5}
     assert with_counts(CONTROL, {"slew": MateValue()}) == CONTROL
+
+
+def zeroed(robot, log):
+    """The robot with q = 0 at the saved pose."""
+    return with_zero(robot, "saved", {}, log)
+
+
+def product(first, other):
+    """Hamilton's product of quaternions (w, x, y, z)."""
+    (a, b, c, d), (e, f, g, h) = first, other
+    return (
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    )
+
+
+def after(saved, q):
+    """The value that moves as `saved` does and then as `q`."""
+    if isinstance(saved, float):
+        return saved + q
+    if len(saved) == 4:
+        return product(saved, q)
+    place = rotation_from_quat(np.array(saved[3:])) @ np.array(q[:3]) + np.array(saved[:3])
+    return (*map(float, place), *product(saved[3:], q[3:]))
+
+
+def every_joint(seed):
+    """A chain of all types, forwards, backwards and mirrored, saved somewhere, with origins between."""
+    rng = np.random.default_rng(seed)
+    joints, parent = [], "base"
+    for number, kind in enumerate(kind for kind in EVERY for _ in range(3)):
+        name = f"link_{number}"
+        values = [some_value(freedom, rng) for _, freedom, _ in CHAINS[kind]]
+        origins = [pose(rng) for _ in CHAINS[kind][1:]]
+        way = {"backwards": number % 3 == 1, "mirrored": number % 3 == 2}
+        joints.append(joint(kind, parent, name, values, place=pose(rng), origins=origins, **way))
+        parent = name
+    loops = []
+    for kind in LOOPS:
+        frames, values = (pose(rng), pose(rng)), [some_value(freedom, rng) for _, freedom, _ in CHAINS[kind]]
+        loops.append(loop(kind, "link_1", "link_4", *frames, values, name=f"loop_{kind}"))
+    return robot_with(joints, loops=loops)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_links_stay_at_values_counted_from_the_saved_pose(seed):
+    robot = every_joint(seed)
+    moved = zeroed(robot, Diagnostics())
+    q = some_values(robot, np.random.default_rng(seed + 100))
+    saved = saved_configuration(robot)
+    both = {name: after(saved[name], q[name]) for name in q}
+    want = link_poses(robot, both)
+    for name, place in link_poses(moved, q).items():
+        assert np.abs(place - want[name]).max() < 1e-9
+    want = link_poses(robot, saved)
+    for name, place in link_poses(moved, rest_configuration(moved)).items():
+        assert np.abs(place - want[name]).max() < 1e-12
+    assert all(dof.saved == at_rest(dof.kind) for dof in moved.dofs)
+    assert all((j.dofs[0].origin == np.eye(4)).all() for j in moved.joints if j.dofs)
+
+
+def test_loops_close_at_values_counted_from_the_saved_pose():
+    rng = np.random.default_rng(7)
+    robot = every_joint(3)
+    for before, now in zip(robot.loops, zeroed(robot, Diagnostics()).loops, strict=True):
+        q = {dof.name: some_value(dof.kind, rng) for dof in before.dofs}
+        both = {dof.name: after(dof.saved, q[dof.name]) for dof in before.dofs}
+        shut = before.b_from_frame @ chain(before.dofs, both)
+        assert np.abs(now.b_from_frame @ chain(now.dofs, q) - shut).max() < 1e-12
+        assert (now.a_from_frame == before.a_from_frame).all()
+
+
+def test_limits_and_relations_say_the_same_of_the_shifted_values():
+    limits = {"one_joint": Limits(-1.0, None), "two_joint": Limits(0.1, 0.4)}
+    joints = [
+        joint("revolute", "base", "one", [0.5], limits=limits),
+        joint("prismatic", "base", "two", [0.1], limits=limits, backwards=True),
+        joint("revolute", "base", "three", [-1.3]),
+    ]
+    relations = [
+        Relation("a", "two_joint", "one_joint", 0.2, 1e-17),
+        Relation("b", "three_joint", "one_joint", -2.0, 0.7),
+    ]
+    robot = robot_with(joints, relations=relations)
+    moved = zeroed(robot, Diagnostics())
+    assert [dof.limits for dof in moved.dofs] == [Limits(-1.5, None), Limits(0.0, 0.4 - 0.1), Limits()]
+    q, saved = 0.37, saved_configuration(robot)
+    for before, now in zip(robot.relations, moved.relations, strict=True):
+        want = before.multiplier * (saved["one_joint"] + q) + before.offset - saved[before.follower]
+        assert now.multiplier * q + now.offset == pytest.approx(want, abs=1e-12)
+    # −2 · 0.5 + 0.7 + 1.3 is the one relation that its saved pose breaks: by 1.
+    assert [relation.offset for relation in moved.relations] == [0.0, pytest.approx(1.0)]
+
+
+def test_a_ball_with_a_cone_keeps_its_zero_and_says_so():
+    turned, limits = (0.8, 0.6, 0.0, 0.0), {"one_joint": Limits(None, 2.0)}
+    for saved, expected in (([turned], [("W-ZERO", "one_joint")]), (None, [])):
+        log = Diagnostics()
+        (dof,) = zeroed(robot_with([joint("ball", "base", "one", saved, limits=limits)]), log).dofs
+        assert (dof.limits, reports(log)) == (limits["one_joint"], expected)
+        assert saved is None or dof.saved == turned
+
+
+FILE = Path(__file__).parent / "golden" / "own_terms.yaml"
+GOLDEN = yaml.safe_load(FILE.read_text(encoding="utf-8"))
+"""Title → keys of the configuration, and the elements that they come to."""
+
+OWN = {"zero", "invert", "rotor_inertia", "gear"}
+
+
+def made(keys):
+    """A pinion that drives a rack, and a flap with a screw whose mass is estimated."""
+    kit = Kit()
+    base, wheel, rack, flap = kit.based("Wheel", "Rack", "Flap")
+    pinion = kit.root.revolute("Pinion", (wheel, frame()), (base, frame((0, 0, 0.1))), 0.2, limits=(-1, 2))
+    rail = kit.root.slider("Rail", (rack, frame()), (base, frame((0.1, 0, 0))), 0.02, limits=(0, 0.1))
+    kit.root.rack("Gearing", pinion, rail, 0.6283185307179586, reverse=True)
+    kit.root.revolute("Lid", (flap, frame()), (base, frame((0, 0.1, 0))), limits=(-0.5, 0.5))
+    screw = kit.root.add(kit.studio.part("Screw", solids.box(0.002, 0.002, 0.002)))
+    kit.root.fasten("Screwed", (screw, frame()), (flap, frame((0, 0, 0.05))))
+    return export(robot_of(kit.document, plan_of(**keys)), NO_MESHES, plan_of(**keys))
+
+
+def elements(outcome):
+    """The joints of both files and what follows, and the masses, one a line."""
+    mjcf, urdf = (etree.fromstring(outcome.files[f"robot.{end}"]) for end in ("xml", "urdf"))
+    joints = (e for e in mjcf.iter("joint") if e.get("name") or e.getparent().tag == "equality")
+    keys = (key for key in mjcf.iter("key") if key.get("name") not in ("home", "cad"))
+    lines = [_line(element) for element in (*joints, *keys)]
+    for element in urdf.iterfind("joint"):
+        parts = [_line(part) for part in element if part.tag in ("axis", "limit", "mimic")]
+        lines.append(f"urdf {element.get('name')}: {'; '.join(parts)}")
+    return [*lines, f"mass {sum(float(mass.get('value')) for mass in urdf.iter('mass')):.9g}"]
+
+
+def _line(element):
+    return " ".join([element.tag, *(f"{key}={value}" for key, value in element.items())])
+
+
+@pytest.mark.parametrize("title", GOLDEN)
+def test_each_key_comes_to_its_golden_and_compiles(title):
+    outcome = made(GOLDEN[title]["keys"])
+    assert elements(outcome) == GOLDEN[title]["elements"], (
+        "if this is meant: python -m tests.unit.graph.passes.test_own_terms"
+    )
+    model = mujoco.MjModel.from_xml_string(outcome.files["robot.xml"].decode())
+    for name in ("pinion", "rail", "lid"):
+        # At its own zero a joint is where the untouched robot has that value of the mate.
+        own = GOLDEN[title]["keys"].get("joints", {}).get(name, {})
+        assert model.joint(name).range[0] < model.joint(name).range[1]
+        if "armature" in own or "rotor_inertia" in own:
+            expected = own["rotor_inertia"] * own.get("gear", 1) ** 2
+            assert model.dof_armature[model.joint(name).dofadr[0]] == pytest.approx(expected)
+
+
+def test_every_key_has_a_golden():
+    entries = [entry["keys"] for entry in GOLDEN.values()]
+    keys = {key for entry in entries for values in entry.get("joints", {}).values() for key in values}
+    assert set(JointSection.model_fields) >= keys >= OWN
+    assert any("total" in entry.get("mass", {}) for entry in entries)
+
+
+if __name__ == "__main__":
+    written = {
+        title: {"keys": entry["keys"], "elements": elements(made(entry["keys"]))}
+        for title, entry in GOLDEN.items()
+    }
+    FILE.write_text(yaml.safe_dump(written, sort_keys=False, width=200), encoding="utf-8")

@@ -8,7 +8,7 @@ from linkwright.stages.graph.mechanism import RelationSpec
 from linkwright.stages.graph.passes.relations import with_relations
 from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.reported import codes, only, reports
 from tests.support.robots import at, joint, loop, robot_with
@@ -16,7 +16,7 @@ from tests.support.robots import at, joint, loop, robot_with
 L = 0.01
 
 
-def spec(kind: str, *connections: str, ratio=1.0, length=L, reverse=False, title="Gear") -> RelationSpec:
+def spec(kind, *connections, ratio=1.0, length=L, reverse=False, title="Gear"):
     return RelationSpec(title, kind, connections, ratio, length, reverse)
 
 
@@ -27,35 +27,35 @@ KINDS = {
 """The types of joints by their letters, and how many values each has."""
 
 
-def robot_of(**saved) -> Robot:
+def robot_of(**saved):
     """Joints by the letter of their type: r1, r2, ... revolute, p slide, c cylindrical, and so on."""
     kinds = ((KINDS[name[0]][0], name, value) for name, value in saved.items())
     return robot_with([joint(kind, "base", f"link_{name}", value, name=name) for kind, name, value in kinds])
 
 
-def at_zero(names: str) -> Robot:
+def at_zero(names):
     """These joints, all saved at zero."""
     return robot_of(**{name: [0.0] * KINDS[name[0]][1] or None for name in names.split()})
 
 
-def related(robot: Robot, *specs: RelationSpec, **by_glob) -> tuple[Robot, Diagnostics]:
+def related(robot, *specs, **by_glob):
     """The robot with its specs, and what is told; `by_glob`: what `relations:` says, by glob."""
     log = Diagnostics()
     keys = {glob: RelationSection.model_validate(said) for glob, said in by_glob.items()}
     return with_relations(robot, specs, log, keys), log
 
 
-def gears(*rows: str) -> list[RelationSpec]:
+def gears(*rows):
     """Gears as "r1 r2 1.5": two joints and a ratio; the titles are A, B, ..."""
     parts = [row.split() for row in rows]
     return [spec("GEAR", a, b, ratio=float(n), title="ABC"[i]) for i, (a, b, n) in enumerate(parts)]
 
 
-def rules(robot: Robot) -> list[tuple]:
+def rules(robot):
     return [(r.follower, r.driver, r.multiplier, r.offset) for r in robot.relations]
 
 
-def saved_of(robot: Robot) -> dict[str, float]:
+def saved_of(robot):
     return {dof.name: dof.saved for dof in robot.dofs}
 
 
@@ -166,7 +166,7 @@ def test_relations_match_by_name_title_or_glob_and_the_last_wins():
         spec("GEAR", "r1", "r4", title="Gear 9", reverse=True),
     ]
 
-    def signs(**by_glob) -> dict[str, float]:
+    def signs(**by_glob):
         joined, log = related(robot, *specs, **by_glob)
         assert not codes(log)
         return {relation.name: relation.multiplier for relation in joined.relations}
@@ -234,12 +234,6 @@ def test_a_part_goes_where_an_offset_of_the_users_puts_it():
         for part in link.parts:
             pose = joined.world_from_root @ poses[link.name] @ part.link_from_part
             assert abs(part.world_from_part - pose).max() < 1e-12
-
-
-def test_a_follower_is_saved_at_the_turn_that_its_driver_gives():
-    joined, log = related(robot_of(r1=[2.5], r2=[-5.0 + math.tau]), spec("GEAR", "r1", "r2", ratio=2.0))
-    assert (rules(joined), codes(log)) == ([("r2", "r1", -2.0, 0.0)], [])
-    assert joined.dofs[1].saved == pytest.approx(-5.0)
 
 
 ANGLE = -23 / 5 * math.tau

@@ -14,11 +14,11 @@ from tests.support.reported import only
 POSE = np.eye(4)
 
 
-def body(name: str, *titles: str) -> RigidBody:
+def body(name, *titles):
     return RigidBody(name, (name,), (), frozenset(titles), "", POSE)
 
 
-def connection(name: str, mate_type: str, bodies: tuple[int, int], cad: str, title: str) -> Connection:
+def connection(name, mate_type, bodies, cad, title):
     kind = {"REVOLUTE": "revolute", "CYLINDRICAL": "cylindrical"}[mate_type]
     dofs = dofs_of(name, mate_type, {}, POSE)
     return Connection(name, kind, bodies, (POSE, POSE), dofs, 0.0, MateRef((), name, cad, mate_type), title)

@@ -16,7 +16,7 @@ from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.codec import decode_robot, encode_robot
 from linkwright.stages.robot.dynamics.inertia import is_physical, primitive_inertial, principal
 from linkwright.stages.robot.errors import AssemblyError
-from linkwright.stages.robot.model.robot import Limits, Robot
+from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import plan_of, write
 from tests.support.checked import checked, failures
@@ -29,30 +29,30 @@ BODY = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz=
 LIMIT = '<limit lower="-1" upper="2" effort="3" velocity="4"/>'
 
 
-def link(name: str, inside: str = BODY) -> str:
+def link(name, inside=BODY):
     return f'<link name="{name}">{inside}</link>'
 
 
-def joint(name: str, parent: str, child: str, kind: str = "revolute", inside: str = LIMIT) -> str:
+def joint(name, parent, child, kind="revolute", inside=LIMIT):
     ends = f'<parent link="{parent}"/><child link="{child}"/>'
     return f'<joint name="{name}" type="{kind}">{ends}<axis xyz="0 0 1"/>{inside}</joint>'
 
 
-def robot_text(*pieces: str) -> str:
+def robot_text(*pieces):
     return f'<robot name="r">{"".join(pieces)}</robot>'
 
 
-def inertial(mass: float, *moments: float) -> str:
+def inertial(mass, *moments):
     tensor = " ".join(f'i{axis}{axis}="{moment}"' for axis, moment in zip("xyz", moments, strict=True))
     return f'<inertial><mass value="{mass}"/><inertia {tensor} ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
-def pair(second: str = BODY, *, kind: str = "revolute", inside: str = LIMIT) -> str:
+def pair(second=BODY, *, kind="revolute", inside=LIMIT):
     """Two links, a and b, on a joint j."""
     return robot_text(link("a"), link("b", second), joint("j", "a", "b", kind, inside))
 
 
-def three(**follow: str) -> str:
+def three(**follow):
     """A driver, and a joint that follows it with these attributes of its <mimic>."""
     text = " ".join(f'{key}="{value}"' for key, value in follow.items())
     return robot_text(
@@ -62,16 +62,16 @@ def three(**follow: str) -> str:
     )
 
 
-def made(robot: Robot, bundle=None):
+def made(robot, bundle=None):
     return make_geometry(robot, bundle or urdf_bundle(b""), plan_of(), lambda kind, key, make: make())
 
 
-def codes(robot: Robot) -> list[str]:
+def codes(robot):
     """The diagnostics, but the one that nearly every URDF gets: that its base may be fixed."""
     return [diagnostic.code for diagnostic in robot.diagnostics if diagnostic.code != "I-URDF-BASE"]
 
 
-def refused(text: str, **keys: object) -> list[tuple[str, str]]:
+def refused(text, **keys):
     with pytest.raises(AssemblyError) as caught:
         urdf_robot(text, plan_of(**keys))
     return [(problem.code, problem.where) for problem in caught.value.problems]

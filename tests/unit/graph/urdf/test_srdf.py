@@ -2,7 +2,6 @@
 
 import pytest
 
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.model.semantics import (
     NOTHING_MORE,
     DisabledPair,
@@ -33,15 +32,15 @@ GROUPS = """<group name="arm"><chain base_link="base" tip_link="tool"/></group>
 <group name="all"><group name="arm"/><group name="hand"/></group>"""
 
 
-def read(srdf: str, **keys: object) -> Robot:
+def read(srdf, **keys):
     return urdf_robot(URDF, plan_of(**keys), srdf=f'<robot name="r">{srdf}</robot>')
 
 
-def messages(robot: Robot) -> str:
+def messages(robot):
     return "\n".join(note.message for note in robot.diagnostics if note.code == "W-SRDF")
 
 
-def state(name: str, group: str, **values: object) -> str:
+def state(name, group, **values):
     joints = "".join(f'<joint name="{joint}" value="{value}"/>' for joint, value in values.items())
     return f'<group_state name="{name}" group="{group}">{joints}</group_state>'
 
