@@ -9,7 +9,6 @@ import pytest
 from linkwright.stages.formats.described import described
 from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.validate import validate
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import write
 from tests.support.drawn import PLACES, any_document, drawn, each
@@ -37,7 +36,7 @@ KEYS = {
 }
 
 
-def comes_back(document: Document, root: int, seed: int, **keys):
+def comes_back(document, root, seed, **keys):
     """The robot and its actuation, and the verdict on its files."""
     robot, plan = drawn(document, root, seed, **keys)
     with tempfile.TemporaryDirectory() as folder:

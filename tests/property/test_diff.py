@@ -20,7 +20,7 @@ from tests.support.drawn import PLACES, drawn, each
 
 BODY = "<body name='{}' pos='3 0 1'>{}<geom name='{}' size='.1'/></body>"
 
-ELEMENTS: tuple[dict[str, Any], ...] = (
+ELEMENTS = (
     {},
     {"cube": {"into": {"tag": "worldbody"}, "xml": BODY.format("cube", "<freejoint/>", "cube")}},
     {"ball": {"into": {"tag": "worldbody"}, "xml": BODY.format("ball", "<joint type='ball'/>", "ball")}},
@@ -39,18 +39,17 @@ ROBOTS = st.tuples(
 )
 
 
-def described(choice: Drawn) -> dict[str, Any]:
+def described(choice):
     """The robot.json of a drawn robot with its element."""
     document, root, seed, elements = choice
     servos = {"*": "position"} if seed % 3 == 0 else {}
     robot, plan = drawn(document, root, seed, elements=elements, actuators=servos)
     with tempfile.TemporaryDirectory() as folder:
         write(robot, Path(folder), plan)
-        table: dict[str, Any] = json.loads((Path(folder) / "robot.json").read_text())
-    return table
+        return json.loads((Path(folder) / "robot.json").read_text())
 
 
-def differs_as_it_should(first: Drawn, second: Drawn):
+def differs_as_it_should(first, second):
     before, after = described(first), described(second)
     assert compare(before, copy.deepcopy(before)) == ()
     changes = compare(before, after)

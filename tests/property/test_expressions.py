@@ -31,7 +31,7 @@ class Drawn:
     dimension: tuple
 
 
-def inside(operand: Drawn, least: int) -> str:
+def inside(operand, least):
     """The text as an operand that must bind at least as tightly as `least`."""
     return operand.text if operand.binds >= least else f"({operand.text})"
 
@@ -51,7 +51,7 @@ def leaves(draw):
     return Drawn(f"{number!r}{space}{unit}", PRODUCT if "*" in space else UNIT, number * size, dimension)
 
 
-def same_kind(first: Drawn, other: Drawn) -> Drawn:
+def same_kind(first, other):
     """`other` made the dimension of `one`, by as many units."""
     length, angle = (a - b for a, b in zip(first.dimension, other.dimension, strict=True))
     text = f"{inside(other, PRODUCT)} * meter^{length} * rad^{angle}"

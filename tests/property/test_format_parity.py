@@ -7,31 +7,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 
-from linkwright.pipeline.config.plan import Plan
+from linkwright.stages.export import export
 from linkwright.stages.robot.model.poses import at_rest
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.read import sdf, usd
 from tests.fake_onshape.sample import sample_document
 from tests.support import mjcfs
-from tests.support.building import plan_of, robot_of, write
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.drawn import DYNAMICS, PLACES, any_document, drawn, each
 from tests.support.other_robots import FILES, is_here
-from tests.support.parity import Parity, SdfParity, UsdParity
+from tests.support.parity import SdfParity, UsdParity
 from tests.support.robots import LOOPS, joint, loop, pose, robot_with
+from tests.support.ros2 import check_control, check_manifest, home_of, packed, same_robot, same_text
 from tests.support.urdfs import urdf_robot
 from tests.support.usd import pxr
 
-FORMATS: dict[str, type[Parity]] = {"sdf": SdfParity, "usd": UsdParity}
+FORMATS = {"sdf": SdfParity, "usd": UsdParity}
 CHECKS = {"sdf": sdf.check_file, "usd": usd.check_file}
 
 
-def export_of(kind: str) -> dict[str, dict]:
+def export_of(kind):
     return {"urdf": {}, "mjcf": {}, kind: {}}
 
 
-def compare(kind: str, robot: Robot, plan: Plan, seed: int) -> bool:
+def compare(kind, robot, plan, seed):
     """Compares the files; whether another pose closes the loops."""
     assert kind != "usd" or pxr.Usd
     rng = np.random.default_rng(seed)
@@ -117,3 +119,35 @@ def test_a_robot_of_others_is_one_robot_in_three_files(name):
     plan = plan_of(export=export_of("sdf"))
     robot = urdf_robot(path.read_bytes(), plan) if kind == "urdf" else mjcfs.robot_of(path)
     compare("sdf", replace(robot, name="robot"), plan, 1)
+
+
+KINDS = ("position", "motor")
+
+
+def agree(document, seed):
+    keys = {"export": {"urdf": {}, "ros2": {}}, "actuators": {"*": KINDS[seed % 2]}}
+    free = robot_of(document).root.name != "world" and seed % 3 == 1
+    plan = plan_of(root={"base": "free" if free else "fixed"}, **keys)
+    robot = robot_of(document, plan)
+    files = export(robot, NO_MESHES, plan).files
+    urdf = files["robot.urdf"]
+    with tempfile.TemporaryDirectory() as folder:
+        package = packed(files, Path(folder))
+        check_manifest(package)
+        for prefix in ("", "arm_"):
+            expanded = package.expanded(prefix=prefix)
+            same_text(package.plain, expanded, prefix)
+            same_robot(urdf, expanded, prefix)
+        controllers = package.controllers()
+        if controllers:
+            check_control(package, package.expanded(), controllers)
+            values = home_of(package.expanded())
+            at_home = home(robot)
+            for name, value in values.items():
+                if name in at_home:
+                    assert abs(value - at_home[name]) < 1e-9, name
+
+
+@pytest.mark.parametrize(("loops", "count"), [(True, 1), pytest.param(None, 15, marks=pytest.mark.slow)])
+def test_the_package_is_the_document(loops, count):
+    each(agree, count, any_document(loops=loops), st.integers(0, 5))

@@ -1,8 +1,6 @@
 """Nothing that a user writes is without effect and without a word: keys at random, on a small robot."""
 
 import functools
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,14 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.pipeline.config.plan import Plan, section
-from linkwright.pipeline.reference.key_entries import KeyEntry, entries
+from linkwright.pipeline.reference.key_entries import entries
 from linkwright.stages.export import export
 from linkwright.stages.export.section import ExportSections
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.section import MeshSections
-from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import LinkwrightError
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import bundle_of
@@ -55,7 +52,7 @@ AS_IT_IS = {
 
 
 @functools.cache
-def bundle() -> Bundle:
+def bundle():
     """An arm with a gripper of two geared fingers, a foot, a cover and a frame."""
     kit = Kit()
     base = kit.place("Base plate", fixed=True)
@@ -71,7 +68,7 @@ def bundle() -> Bundle:
     return bundle_of(kit.document)
 
 
-def merged(tree: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+def merged(tree, keys):
     """A configuration with further keys, mapping by mapping."""
     candidate = dict(tree)
     for name, value in keys.items():
@@ -81,7 +78,7 @@ def merged(tree: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
     return candidate
 
 
-def outcome(keys: Mapping[str, Any]) -> tuple[Any, ...]:
+def outcome(keys):
     """The parts of the stages, the files, and what is reported; or the error."""
     try:
         plan = Plan.parse(merged(BASE, keys))
@@ -98,7 +95,7 @@ def outcome(keys: Mapping[str, Any]) -> tuple[Any, ...]:
 AS_BEFORE = functools.cache(lambda: outcome({}))
 
 
-def values_of(entry: KeyEntry) -> list[dict[str, Any]]:
+def values_of(entry):
     """What the reference gives for a key as an example, once for each word of a choice; a glob is "*"."""
     example = yaml.safe_load(entry.example)
     words = [yaml.safe_load(word) if word.isdigit() else word for word in entry.words] or [None]
@@ -106,7 +103,7 @@ def values_of(entry: KeyEntry) -> list[dict[str, Any]]:
         words = [False, True]
     by_key = []
     for word in words:
-        path: list[str] = []
+        path = []
         value = example
         for name in entry.names:
             (own,) = [own for own in value if own == name or name.startswith("<")][:1]
@@ -130,7 +127,7 @@ CASES = [
 ]
 
 
-def is_without_effect(key: str, value: Mapping[str, Any]) -> bool:
+def is_without_effect(key, value):
     """Whether a key that differs from what the robot has changes no file, and no word is said of it."""
     parts, *rest = outcome(value)
     before, *as_before = AS_BEFORE()

@@ -14,9 +14,7 @@ import pytest
 from hypothesis import strategies as st
 from lxml import etree
 
-from linkwright.stages.robot.model.robot import Robot, Value
 from linkwright.stages.robot.motion.start_pose import starting_point
-from tests.fake_onshape.document import Document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.drawn import any_document, each
 from tests.support.engines import Mujoco, Pinocchio
@@ -26,7 +24,7 @@ from tests.support.robots import some_values
 Counts = dict[str, tuple[int, float]]
 
 
-def counts_of(robot_json: bytes) -> Counts:
+def counts_of(robot_json):
     """By dof, the sign and zero that robot.json gives: mate = zero + sign · value."""
     table = json.loads(robot_json)
     dofs = [dof for joint in (*table["joints"], *table["loops"]) for dof in joint["dofs"]]
@@ -34,11 +32,11 @@ def counts_of(robot_json: bytes) -> Counts:
     return {name: (mate["sign"], mate["zero"]) for name, mate in mates.items()}
 
 
-def chosen(robot: Robot, seed: int) -> dict[str, dict[str, object]]:
+def chosen(robot, seed):
     """A zero, a direction, both or neither for each turn and slide, those of loops too."""
     random = np.random.default_rng(seed)
     dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
-    keys: dict[str, dict[str, object]] = {}
+    keys = {}
     for dof in dofs:
         if dof.kind in ("turn", "slide"):
             both = {"zero": float(random.uniform(-1, 1)), "invert": bool(random.integers(2))}
@@ -46,7 +44,7 @@ def chosen(robot: Robot, seed: int) -> dict[str, dict[str, object]]:
     return {name: values for name, values in keys.items() if values}
 
 
-def alike(document: Document, seed: int, zero: str):
+def alike(document, seed, zero):
     plain = robot_of(document, plan_of(zero=zero))
     wanted = chosen(plain, seed)
     plan = plan_of(zero=zero, joints=wanted)
@@ -92,24 +90,24 @@ def alike(document: Document, seed: int, zero: str):
     limited(plain, counted, before, after)
 
 
-def has_joint(engine: Mujoco, name: str) -> bool:
+def has_joint(engine, name):
     return mujoco.mj_name2id(engine.model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0
 
 
-def balls(robot: Robot) -> dict[str, Value]:
+def balls(robot):
     """The pose in which the MJCF's bodies stand, which a ball's value there counts from."""
     return {name: value for name, value in starting_point(robot).items() if isinstance(value, tuple)}
 
 
-def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, float]):
+def held(left, right, q, moved):
     """Every equality is off by as much, whichever values count it."""
 
-    def off(engine: Mujoco, values: dict[str, float]) -> dict[str, float]:
+    def off(engine, values):
         model, data = engine.model, engine.data
         engine._set(values)
         mujoco.mj_makeConstraint(model, data)
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        gaps: dict[str, float] = {}
+        gaps = {}
         for number, value in zip(data.efc_id[rows], data.efc_pos[rows], strict=True):
             name = f"{model.equality(int(number)).name}/{number}"
             gaps[name] = float(np.hypot(gaps.get(name, 0.0), value))
@@ -121,10 +119,10 @@ def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, floa
         assert abs(after[name] - value) < 1e-9 * max(1.0, value)
 
 
-def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after: Counts):
+def mimicked(old, new, q, before, after):
     """A follower's value, by the URDF's own <mimic>, is the same value of its mate."""
 
-    def followed(urdf: bytes, counts: Counts) -> dict[str, float]:
+    def followed(urdf, counts):
         by_key = {}
         for joint in etree.fromstring(urdf).iterfind("joint"):
             mimic = joint.find("mimic")
@@ -142,7 +140,7 @@ def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after:
     assert other == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
-def limited(plain: Robot, counted: Robot, before: Counts, after: Counts):
+def limited(plain, counted, before, after):
     """The same range of the mate's own value, and the same saved pose."""
     for first, other in zip(plain.dofs, counted.dofs, strict=True):
         if first.name not in after:

@@ -7,25 +7,23 @@ link is the root and in whatever order instances and features come.
 
 import math
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import assume
 from hypothesis import strategies as st
 
+from linkwright.stages.export import export
 from linkwright.stages.graph.dofs import conjugate
 from linkwright.stages.robot.codec import decode_robot, encode_robot
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.robot import Configuration, Joint, Robot
 from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate import validate
 from tests.fake_onshape.copies import within
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
-from tests.fake_onshape.truth import Truth
-from tests.support.building import plan_of, robot_of, write
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.drawn import any_document, each
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.parity import same
@@ -34,7 +32,7 @@ from tests.support.robots import some_values
 TOLERANCE = 1e-9
 
 
-def agree(document: Document, root: int, shuffle: int, seed: int, api: int):
+def agree(document, root, shuffle, seed, api):
     """Builds with the `root`-th link as root and instances shuffled; compares at three random q.
 
     `api`: the newest version that the server knows, on which it depends where limits are read.
@@ -77,7 +75,7 @@ def agree(document: Document, root: int, shuffle: int, seed: int, api: int):
     matches(robot, truth)
 
 
-def is_undecided(truth: Truth) -> bool:
+def is_undecided(truth):
     """Whether a mate is between the seeds of two patterns.
 
     No recording shows whether Onshape has it for each pair of their copies, too: the documents' own
@@ -97,7 +95,7 @@ def is_undecided(truth: Truth) -> bool:
     return False
 
 
-def as_cut(truth: Truth, robot: Robot) -> Truth:
+def as_cut(truth, robot):
     """The document's own tree, without the mates that the robot's leaves out: so q means the same.
 
     Of mates that say the same, which one the robot keeps is its own choice; how many is not.
@@ -109,7 +107,7 @@ def as_cut(truth: Truth, robot: Robot) -> Truth:
     return truth.cut_at(loops, redundant=said_twice)
 
 
-def true_names(joints: tuple[Joint, ...], truth: Truth) -> dict[str, str]:
+def true_names(joints, truth):
     """The document's own name of each dof of the robot's."""
     names = {}
     for joint in joints:
@@ -119,13 +117,13 @@ def true_names(joints: tuple[Joint, ...], truth: Truth) -> dict[str, str]:
     return names
 
 
-def in_mates(robot: Robot, q: Configuration) -> Configuration:
+def in_mates(robot, q):
     """The mates' own values: a ball's is the other way round where the chain runs backwards."""
     turned = {d.name for joint in robot.joints if joint.backwards for d in joint.dofs if d.kind == "ball"}
     return {name: conjugate(value) if name in turned else value for name, value in q.items()}
 
 
-def matches(robot: Robot, truth: Truth):
+def matches(robot, truth):
     """Limits, relations and totals are the document's own."""
     edges = true_names(robot.joints, truth)
     true_dofs = {dof.name: dof for dof in truth.dofs}
@@ -150,7 +148,7 @@ def matches(robot: Robot, truth: Truth):
         assert loop.residual < TOLERANCE
 
 
-def related(robot: Robot, truth: Truth, edges: Mapping[str, str]):
+def related(robot, truth, edges):
     """Whatever drives, followers are where the document's own relations have them."""
     random = np.random.default_rng(len(edges))
     saved = {dof.name: dof.saved for dof in robot.dofs if dof.kind != "ball"}
@@ -191,7 +189,7 @@ def test_both_files_are_the_document(everything, loops, count):
     each(agree, count, any_document(everything, loops), places, places, places, versions)
 
 
-def changes_nothing(document: Document, root: int, shuffle: int) -> None:
+def changes_nothing(document, root, shuffle):
     first = robot_of(document)
     links = ["world"] if first.root.name == "world" else sorted(link.name for link in first.links)
     plan = plan_of(root={"select": links[root % len(links)]})
@@ -204,7 +202,7 @@ def test_neither_root_nor_order_changes_what_is_cut_or_named():
     each(changes_nothing, 25, documents(everything=True, loops=True), places, places)
 
 
-def facts(robot: Robot) -> dict[str, object]:
+def facts(robot):
     """What neither the root nor an order may change."""
     return {
         "joints": {joint.name: joint.type for joint in robot.joints},
@@ -215,3 +213,35 @@ def facts(robot: Robot) -> dict[str, object]:
         "parts": {link.name: [part.path for part in link.parts] for link in robot.links},
         "mobility": robot.mobility,
     }
+
+
+SECONDS, OPEN = 2.0, 1e-3
+
+
+def holds(document, timestep):
+    """As built, without actuators: no warning, no NaN, no two sites of a loop apart."""
+    plan = plan_of(scene={"option": {"timestep": timestep}})
+    robot = robot_of(document, plan)
+    assume(robot.loops)
+    text = export(robot, NO_MESHES, plan).files["robot.xml"].decode()
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    closing = model.eq_type != mujoco.mjtEq.mjEQ_JOINT
+    first, second = model.eq_obj1id[closing], model.eq_obj2id[closing]
+    for _ in range(round(SECONDS / timestep)):
+        mujoco.mj_step1(model, data)
+        apart = np.linalg.norm(data.site_xpos[first] - data.site_xpos[second], axis=1)
+        assert apart.max(initial=0.0) <= OPEN
+        mujoco.mj_step2(model, data)
+        assert not data.warning.number.any()
+    assert np.isfinite(data.qpos).all()
+
+
+@pytest.mark.parametrize(
+    ("everything", "timesteps", "count"),
+    [(False, [0.002, 0.005], 6), pytest.param(None, [0.001, 0.002, 0.005], 40, marks=pytest.mark.slow)],
+)
+def test_looped_documents_hold(everything, timesteps, count):
+    each(holds, count, any_document(everything, True), st.sampled_from(timesteps))

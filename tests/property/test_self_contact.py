@@ -34,7 +34,7 @@ CLEAR = 1e-5
 """Links that are nearer than this [m] to just touching may count as either."""
 
 
-def some_shapes(rng: np.random.Generator, count: int, sizes, radii, reach: float):
+def some_shapes(rng, count, sizes, radii, reach):
     """Boxes, or balls in three of ten cases."""
     return tuple(
         box(*rng.uniform(*sizes, 3), pose(rng, reach))
@@ -44,7 +44,7 @@ def some_shapes(rng: np.random.Generator, count: int, sizes, radii, reach: float
     )
 
 
-def random_robot(seed: int):
+def random_robot(seed):
     """A tree of up to eight links with shapes near their joints; some have none."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(4, 9))
@@ -65,7 +65,7 @@ def random_robot(seed: int):
     return robot_with(joints, shapes=shapes, root=names[0], **where)
 
 
-def crowd(seed: int):
+def crowd(seed):
     """A base with links that hardly move, so that some of their shapes always touch."""
     rng = np.random.default_rng(1000 + seed)
     names = [f"l{index}" for index in range(int(rng.integers(3, 6)))]

@@ -13,9 +13,8 @@ import pytest
 from hypothesis import strategies as st
 
 from linkwright.stages.export.urdf.srdf.convex import bodies_of, distance_bounds
-from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import inverse
-from linkwright.stages.robot.model.robot import Limits, Robot, frozen
+from linkwright.stages.robot.model.robot import Limits, frozen
 from linkwright.stages.robot.motion.start_pose import home
 from tests.property.test_self_contact import random_robot
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
@@ -30,7 +29,7 @@ from tests.unit.export.test_moveit import check
 SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 15))]
 
 
-def agree(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES) -> Srdf:
+def agree(robot, folder, geometry=NO_MESHES):
     """Writes a robot, and holds its SRDF against its URDF and its home."""
     files = write(robot, folder, plan_of(export={"urdf": {}}), geometry).files
     semantics = Srdf(files["robot.srdf"], files["robot.urdf"])
@@ -68,7 +67,7 @@ def test_names_in_moveits_package_of_a_document_mean_something():
     each(means, 5, any_document(loops=True), st.booleans())
 
 
-def arm(seed: int) -> Robot:
+def arm(seed):
     """A chain of links with long boxes, whose ends come near each other in some poses, and a few branches."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(4, 9))
