@@ -10,6 +10,7 @@ from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.replies.recorded import Recorded
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.model.geometry import Geometry
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.sample import sample_document
@@ -62,3 +63,8 @@ def shaped(document, **keys):
     """The robot of a document and its geometry, by a plan of these keys."""
     robot, plan = robot_of(document), plan_of(**keys)
     return robot, make_geometry(robot, bundle_of(document), plan, lambda kind, key, make: make()), plan
+
+
+def solid(robot, **more):
+    """The geometry of a robot of primitives alone, as they are; `more`: other fields of `Geometry`."""
+    return Geometry(tuple(shape for link in robot.links for shape in primitive_shapes(link)), {}, **more)

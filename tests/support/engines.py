@@ -19,7 +19,8 @@ Values = Mapping[str, float | tuple[float, ...]]
 
 
 class Pinocchio:
-    """The URDF, its root held where it is. Mimic joints move on their own, as in a bare tree."""
+    """The URDF, its root held where it is. Mimic joints move on their own, as in a bare tree. The value of a
+    free joint is a position and a quaternion (x, y, z, w, i, j, k)."""
 
     def __init__(self, urdf):
         self.model = pin.buildModelFromXML(urdf.decode())
@@ -32,6 +33,10 @@ class Pinocchio:
     def _q(self, values):
         q = pin.neutral(self.model)
         for name, value in values.items():
+            if isinstance(value, tuple) and len(value) == 7:
+                first = self.model.joints[self.model.getJointId(name)].idx_q
+                q[first : first + 7] = [*value[:3], *np.roll(value[3:], -1)]
+                continue
             numbers = _rotation(value).as_euler("XYZ") if isinstance(value, tuple) else [value]
             for turn, number in zip(self._turns(name), numbers, strict=True):
                 joint = self.model.joints[self.model.getJointId(turn)]

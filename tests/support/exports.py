@@ -1,12 +1,15 @@
 """The files of a robot, in memory, and MuJoCo's model of them."""
 
+from pathlib import Path
 from typing import Any
 
 import mujoco
 
+from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import Exported, export
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of
 
 
@@ -25,3 +28,13 @@ def compiled(outcome: Exported) -> mujoco.MjModel:
 def messages_of(outcome: Exported, code: str) -> list[str]:
     """The messages of the diagnostics with this code."""
     return [diagnostic.message for diagnostic in outcome.diagnostics if diagnostic.code == code]
+
+
+def losses_of(outcome: Exported, file: str) -> dict[str, str]:
+    """What a file cannot say: code → message."""
+    return {note.code: note.message for note in outcome.diagnostics if note.where.startswith(file)}
+
+
+def failing(folder: Path, outcome: Exported, plan: Plan) -> list[str]:
+    """The names of the checks that the files in a folder fail."""
+    return [check.name for check in validate(folder, outcome.written, plan) if check.fails]

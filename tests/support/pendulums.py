@@ -1,14 +1,14 @@
 """Pendulums that an actuator drives, and their simulation."""
 
-import mujoco
 import numpy as np
 import pytest
 
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.robot import Dynamics, Inertial, Limits, frozen
-from tests.support.exports import exported
+from tests.support.exports import compiled, exported
 from tests.support.hands import ACROSS
 from tests.support.robots import joint, robot_with
+from tests.support.states import run, state
 
 ARM, MASS, GRAVITY = 0.3, 2.0, 9.81
 
@@ -43,22 +43,14 @@ def actuation(robot, **actuators):
 
 def at_home(model, seconds):
     """The state after some time at the keyframe `home`, its controls held."""
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    for _ in range(round(seconds / model.opt.timestep)):
-        mujoco.mj_step(model, data)
-    return data
+    return run(model, state(model, "home"), seconds)
 
 
 def targeted(model, seconds):
     """The state after some time from `home`, where the target of each servo is the pose itself."""
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    mujoco.mj_forward(model, data)
+    data = state(model, "home")
     data.ctrl[:], data.act[:] = data.actuator_length, 0.0
-    for _ in range(round(seconds / model.opt.timestep)):
-        mujoco.mj_step(model, data)
-    return data
+    return run(model, data, seconds)
 
 
 def problem(robot, **actuators):
@@ -66,3 +58,8 @@ def problem(robot, **actuators):
         exported(robot, actuators=actuators)
     (only,) = error.value.problems
     return only.code, only.message, only.hint
+
+
+def driven_model(robot, entry, **keys):
+    """The compiled model of a robot with this entry of `actuators` for all of its dofs."""
+    return compiled(exported(robot, actuators={"*": entry}, **keys))

@@ -8,6 +8,7 @@ from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Limits, Relation, frozen
 from tests.support.exports import compiled, exported, messages_of
 from tests.support.pendulums import ACROSS, ARM, GRAVITY, MASS, actuation, at_home, lump, pendulum, targeted
+from tests.support.reported import notes
 from tests.support.robots import at, joint, robot_with
 from tests.unit.robot.test_home import four_bar as planar_bar
 
@@ -41,20 +42,18 @@ def weighing():
 
 def upright_bar(limits=None):
     """A four-bar that gravity acts on: its plane is upright, and the rocker is heavy."""
-    flat = planar_bar(limits)
-    first, *rest = flat.joints
-    *inner, last = rest
-    up = [
-        replace(hinge, parent_from_joint=frozen(ACROSS @ hinge.parent_from_joint)) for hinge in (first, last)
-    ]
-    links = tuple(
-        replace(link, inertial=lump(MASS, ARM, 0, 0)) if link.name == "rocker" else link
-        for link in flat.links
+    flat, heavy = planar_bar(limits), {"rocker": lump(MASS, ARM, 0, 0)}
+    joints = tuple(
+        replace(hinge, parent_from_joint=frozen(ACROSS @ hinge.parent_from_joint))
+        if hinge.parent == "base"
+        else hinge
+        for hinge in flat.joints
     )
-    return replace(flat, joints=(up[0], *inner, up[1]), links=links)
+    links = tuple(replace(link, inertial=heavy.get(link.name, link.inertial)) for link in flat.links)
+    return replace(flat, joints=joints, links=links)
 
 
-def test_the_advice_names_what_drives_and_not_what_follows():
+def test_advice_names_drivers_and_not_followers():
     assert exported(weighing()).advice == "nothing holds a_joint against its weight: try actuators=position"
     bar = upright_bar()
     (servo,) = actuation(bar, **{"*": "position"}).actuators
@@ -62,11 +61,7 @@ def test_the_advice_names_what_drives_and_not_what_follows():
 
 
 def remarks(robot, code, **actuators):
-    return [
-        f"{diagnostic.message} -> {diagnostic.hint}"
-        for diagnostic in exported(robot, actuators=actuators).diagnostics
-        if diagnostic.code == code
-    ]
+    return [f"{note.message} -> {note.hint}" for note in notes(exported(robot, actuators=actuators), code)]
 
 
 def test_dofs_that_are_driven_twice_are_reported():
@@ -76,9 +71,8 @@ def test_dofs_that_are_driven_twice_are_reported():
     )
     assert "its kp of 1 assumes no load, since drive bears the weight" in remark
     assert remark.endswith("actuators: {drive: none}")
-    (remark,) = remarks(
-        upright_bar(), "W-ACTUATOR-TWICE", drive="position", swing={"type": "position", "kp": 3}
-    )
+    swing = {"type": "position", "kp": 3}
+    (remark,) = remarks(upright_bar(), "W-ACTUATOR-TWICE", drive="position", swing=swing)
     assert "its kp" not in remark
     assert remarks(weighing(), "W-ACTUATOR-TWICE", a_joint="position", b_joint="motor") != []
     assert remarks(upright_bar(), "W-ACTUATOR-TWICE", **{"*": "position"}) == []
@@ -96,7 +90,7 @@ def test_target_without_a_range_is_reported_if_others_bound_it():
     assert remarks(both_limited, "I-ACTUATOR", drive="position") == []
 
 
-def test_a_follower_puts_its_weight_on_its_driver():
+def test_follower_puts_its_weight_on_its_driver():
     robot = weighing()
     (servo,) = actuation(robot, **{"*": "position"}).actuators
     assert servo.home_load == pytest.approx(3.0 * MASS * GRAVITY * ARM, rel=1e-9)
@@ -113,11 +107,10 @@ def test_actuator_too_weak_for_the_weight_is_reported():
 
 
 def test_sag_is_reported_with_load_and_limit():
-    entry = {"type": "position", "kp": 100}
-    outcome = exported(pendulum(effort=12.0), actuators={"*": entry})
+    outcome = exported(pendulum(effort=12.0), actuators={"*": {"type": "position", "kp": 100}})
     (far,) = messages_of(outcome, "W-ACTUATOR-SAG")
     assert "arm_joint by 0.059 rad (load 5.89, force limit 12, kp 100)" in far
-    model = compiled(exported(pendulum(effort=12.0), actuators={"*": entry}))
+    model = compiled(outcome)
     assert -targeted(model, 5.0).qpos[0] == pytest.approx(0.0589, rel=0.01)
     assert abs(at_home(model, 5.0).qpos[0]) < 1e-9
     stiff = exported(pendulum(), actuators={"*": {"type": "position", "kp": 300}})

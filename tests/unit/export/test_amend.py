@@ -2,7 +2,6 @@
 
 import difflib
 import json
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -12,12 +11,12 @@ from linkwright.stages.export import export
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.amendments import Surplus
-from linkwright.stages.robot.model.robot import Base
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.exports import messages_of
 from tests.support.robots import at, joint, loop, robot_with
+from tests.support.states import pose_of, state
 from tests.unit.export.test_scene import arm
 from tests.unit.export.test_standing import geometry_of
 
@@ -38,19 +37,23 @@ def model(folder, name="scene.xml"):
     return mujoco.MjModel.from_xml_path(str(folder / name))
 
 
-def checks(folder, exported, robot=None):
-    return list(validate(folder, exported.written, plan_of()))
+def at_elbow(folder, value):
+    """The state of the scene at a value of the elbow."""
+    return state(model(folder), elbow=value)
+
+
+def failed(folder, outcome):
+    return [check for check in validate(folder, outcome.written, plan_of()) if check.fails]
 
 
 def lines_added(folder, **keys):
     """By file, the lines that these keys add (+) and take away (-)."""
-    without, with_keys = made(folder / "without"), made(folder / "with", **keys)
+    without, with_keys = made(folder / "without").files, made(folder / "with", **keys).files
     added = {}
     for name in ("robot.urdf", "robot.xml", "scene.xml"):
-        before, other = (files.files[name].decode().splitlines() for files in (without, with_keys))
-        changed = [line for line in difflib.ndiff(before, other) if line[0] in "+-"]
-        added[name] = [line[0] + line[1:].strip() for line in changed]
-    return added
+        lines = difflib.ndiff(*(files[name].decode().splitlines() for files in (without, with_keys)))
+        added[name] = sorted(line[0] + line[1:].strip() for line in lines if line[0] in "+-")
+    return {name: lines for name, lines in added.items() if lines}
 
 
 @pytest.mark.parametrize(("keys", "expected"), [
@@ -74,11 +77,8 @@ def lines_added(folder, **keys):
     ({"attributes": {"elbow": {"formats": ["urdf"], "tag": "joint", "type": "revolute"}}},
      {"robot.urdf": ['-<joint name="elbow" type="continuous">', '+<joint name="elbow" type="revolute">']}),
 ])  # fmt: skip
-def test_the_files_have_what_was_asked_for_and_nothing_else(tmp_path, keys, expected):
-    added = {name: lines for name, lines in lines_added(tmp_path, **keys).items() if lines}
-    assert {name: sorted(lines) for name, lines in added.items()} == {
-        name: sorted(lines) for name, lines in expected.items()
-    }
+def test_files_have_the_asked_changes_and_nothing_else(tmp_path, keys, expected):
+    assert lines_added(tmp_path, **keys) == {name: sorted(lines) for name, lines in expected.items()}
 
 
 def test_elements_go_in_by_name_of_any_kind_and_in_their_order(tmp_path):
@@ -87,28 +87,18 @@ def test_elements_go_in_by_name_of_any_kind_and_in_their_order(tmp_path):
         "two": add("<site name='on_tray' pos='0 0 0.1'/>", {"name": "tray"}),
         "three": add("<framepos name='where' objtype='site' objname='on_tray'/>", {"tag": "sensor"}),
         "four": add("<velocimeter name='fast' site='on_tray'/>", {"tag": "sensor"}),
+        "lens": add("<site name='lens' pos='0 0 0.01'/>", {"name": "eye"}),
     }
     made(tmp_path, elements=elements, attributes={"on_tray": {"pos": [0, 0, 0.3]}})
     added = model(tmp_path)
-    data = mujoco.MjData(added)
-    data.joint("elbow").qpos[0] = 0.7
-    mujoco.mj_forward(added, data)
     assert added.body(added.body("tray").parentid[0]).name == "arm"
-    expected = data.body("arm").xmat.reshape(3, 3) @ [0, 0, 0.5] + data.body("arm").xpos
-    np.testing.assert_allclose(data.sensor("where").data, expected, atol=1e-12)
     assert [added.sensor(number).name for number in range(added.nsensor)] == ["where", "fast"]
-
-
-def test_what_is_added_to_a_frame_stands_there_and_moves_with_it(tmp_path):
-    made(tmp_path, elements={"lens": add("<site name='lens' pos='0 0 0.01'/>", {"name": "eye"})})
-    added = model(tmp_path)
-    data = mujoco.MjData(added)
-    for value in (0.0, 1.1):
-        data.joint("elbow").qpos[0] = value
-        mujoco.mj_forward(added, data)
-        eye = data.site("eye")
-        expected = eye.xpos + eye.xmat.reshape(3, 3) @ [0, 0, 0.01]
-        np.testing.assert_allclose(data.site("lens").xpos, expected, atol=1e-12)
+    for value in (0.0, 0.7):
+        data = at_elbow(tmp_path, value)
+        expected = pose_of(data.body("arm")) @ at(0, 0, 0.5)
+        np.testing.assert_allclose(data.sensor("where").data, expected[:3, 3], atol=1e-12)
+        lens = pose_of(data.site("eye")) @ at(0, 0, 0.01)
+        np.testing.assert_allclose(pose_of(data.site("lens")), lens, atol=1e-12)
 
 
 def test_element_on_a_merged_link_is_where_the_link_is(tmp_path):
@@ -117,20 +107,14 @@ def test_element_on_a_merged_link_is_where_the_link_is(tmp_path):
     camera = "<camera name='seen' pos='0 0 0.05'/><geom name='pad' size='0.01' pos='0 0 0.05'/>"
     exported = made(tmp_path, robot, elements={"on_hand": add(camera, {"name": "hand"})})
     assert exported.written.mjcf_form.fused == ("hand",)
-    added = model(tmp_path)
-    data = mujoco.MjData(added)
-    data.joint("elbow").qpos[0] = 0.6
-    mujoco.mj_forward(added, data)
-    poses = link_poses(robot, {"elbow": 0.6})
-    world_from_root = np.eye(4)
-    world_from_root[:3, 3] = data.body("base").xpos
-    world_from_root[:3, :3] = data.body("base").xmat.reshape(3, 3)
-    expected = (world_from_root @ poses["hand"] @ at(0, 0, 0.05))[:3, 3]
+    data = at_elbow(tmp_path, 0.6)
+    hand = link_poses(robot, {"elbow": 0.6})["hand"]
+    expected = (pose_of(data.body("base")) @ hand @ at(0, 0, 0.05))[:3, 3]
     np.testing.assert_allclose(data.camera("seen").xpos, expected, atol=1e-12)
     np.testing.assert_allclose(data.geom("pad").xpos, expected, atol=1e-12)
 
 
-def test_a_tag_means_no_class(tmp_path):
+def test_tag_means_no_class(tmp_path):
     """The classes of a robot with a loop have <equality>, <joint> and <geom>, too."""
     loops = [loop("revolute", "arm", "base", at(0.1, 0, 0), at(0.1, 0, 0), name="ring")]
     robot = robot_with([joint("revolute", "base", "arm", name="elbow")], loops=loops)
@@ -146,7 +130,7 @@ def test_a_tag_means_no_class(tmp_path):
     assert root.find("worldbody/body[@name='base']/site[@name='first']") is not None
     assert root.find("default/default[@class='own']") is not None
     assert exported.written.amendments.surplus_of("robot.xml").equalities == 1
-    assert [check.name for check in checks(tmp_path, exported, robot) if check.fails] == []
+    assert failed(tmp_path, exported) == []
 
 
 def test_names_are_looked_for_in_the_robot_then_in_the_scene(tmp_path):
@@ -160,7 +144,7 @@ def test_names_are_looked_for_in_the_robot_then_in_the_scene(tmp_path):
 
 def test_keyframes_and_checks_know_what_was_added(tmp_path):
     """A ball that is free to roll, and a motor, before and after all that is the robot's own."""
-    robot = replace(arm(), base=Base(False, "it floats"))
+    robot = arm(fixed=False)
     elements = {
         "first": add("<body name='hung' pos='0 0 0.3'><joint name='swings' ref='0.2'/>"
                      "<geom size='0.01' contype='0' conaffinity='0'/></body>", {"name": "base"}),
@@ -170,17 +154,15 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path):
     }  # fmt: skip
     exported = made(tmp_path, robot, elements=elements, actuators=SERVOS)
     made(tmp_path / "plain", robot, actuators=SERVOS)
-    assert [check for check in checks(tmp_path, exported, robot) if check.fails] == []
+    assert failed(tmp_path, exported) == []
     assert exported.written.amendments.surplus_of("scene.xml") == Surplus("scene.xml", 7, 1, 1)
     added, before = model(tmp_path), model(tmp_path / "plain")
     assert (added.nu, added.nkey) == (2, before.nkey)
     for name in ("home", "cad"):
         key, old = added.key(name), before.key(name)
-        for old_joint in ("elbow", "robot_freejoint", "free"):
-            if mujoco.mj_name2id(before, mujoco.mjtObj.mjOBJ_JOINT, old_joint) >= 0:
-                here, there = added.joint(old_joint).qposadr[0], before.joint(old_joint).qposadr[0]
-                width = 7 if before.joint(old_joint).type[0] == 0 else 1
-                assert key.qpos[here : here + width].tolist() == old.qpos[there : there + width].tolist()
+        for joint_name, width in (("elbow", 1), ("base_free", 7)):
+            here, there = added.joint(joint_name).qposadr[0], before.joint(joint_name).qposadr[0]
+            assert key.qpos[here : here + width].tolist() == old.qpos[there : there + width].tolist()
         assert key.qpos[added.joint("swings").qposadr[0]] == 0.2
         first = added.joint("rolls").qposadr[0]
         assert key.qpos[first : first + 7].tolist() == [1, 0, 1, 1, 0, 0, 0]
@@ -189,39 +171,39 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(mujoco.MjModel, "nactuator"), reason="an actuator has a single control")
-def test_an_added_actuator_may_have_several_controls(tmp_path):
+def test_added_actuator_may_have_several_controls(tmp_path):
     pid = {"pid": add("<pid name='extra' joint='elbow' kp='1' forcerange='-5 5'/>", {"tag": "actuator"})}
     exported = made(tmp_path, elements=pid, actuators=SERVOS)
-    assert [check for check in checks(tmp_path, exported) if check.fails] == []
+    assert failed(tmp_path, exported) == []
     assert exported.written.amendments.surplus_of("robot.xml") == Surplus("robot.xml", 0, 1, 0)
     added = model(tmp_path)
     assert (added.nu, added.key("home").ctrl.tolist()[1:]) == (3, [0, 0])
 
 
-def test_a_check_that_fails_names_the_key_that_did_it(tmp_path):
-    attributes = {"elbow": {"damping": 3}, "floor": {"friction": [1, 0.5, 0.5]}}
-    exported = made(tmp_path, attributes=attributes)
-    failed = [check for check in checks(tmp_path, exported) if check.fails]
-    assert [check.name for check in failed] == ["robot.xml: joints"]
-    for check in failed:
-        assert check.detail == "differ: elbow; the file was changed by attributes.elbow"
+def test_check_that_fails_names_the_key_that_did_it(tmp_path):
+    outcome = made(tmp_path, attributes={"elbow": {"damping": 3}, "floor": {"friction": [1, 0.5, 0.5]}})
+    (check,) = failed(tmp_path, outcome)
+    assert check.name == "robot.xml: joints"
+    assert check.detail == "differ: elbow; the file was changed by attributes.elbow"
 
 
-def test_weight_that_is_added_is_found(tmp_path):
+def test_weight_that_is_added_is_no_fault_but_a_moved_body_is(tmp_path):
     heavy = add("<inertial pos='0 0 0' mass='9' diaginertia='1 1 1'/>", {"name": "tray"})
     tray = add("<body name='tray'><geom size='0.1' contype='0' conaffinity='0'/></body>", {"name": "arm"})
-    exported = made(tmp_path, elements={"tray": tray, "heavy": heavy})
-    assert [check for check in checks(tmp_path, exported) if check.fails] == []
-    exported = made(tmp_path / "arm", attributes={"arm": {"pos": [0, 0, 0.1]}})
-    failed = [check for check in checks(tmp_path / "arm", exported) if check.fails]
-    assert failed
-    assert all("attributes.arm" in check.detail for check in failed)
+    assert failed(tmp_path, made(tmp_path, elements={"tray": tray, "heavy": heavy})) == []
+    checks = failed(tmp_path / "arm", made(tmp_path / "arm", attributes={"arm": {"pos": [0, 0, 0.1]}}))
+    assert checks
+    assert all("attributes.arm" in check.detail for check in checks)
+
+
+MIXED = {
+    "elements": {"ball": add(BALL, {"tag": "worldbody"}), "gz": add("<gazebo/>", {"tag": "robot"})},
+    "attributes": {"floor": {"rgba": "1 0 0 1"}},
+}
 
 
 def test_robot_json_says_what_was_changed(tmp_path):
-    elements = {"ball": add(BALL, {"tag": "worldbody"}), "gz": add("<gazebo/>", {"tag": "robot"})}
-    exported = made(tmp_path, elements=elements, attributes={"floor": {"rgba": "1 0 0 1"}})
-    table = json.loads(exported.files["robot.json"])
+    table = json.loads(made(tmp_path, **MIXED).files["robot.json"])
     assert [tuple(amendment.values()) for amendment in table["amendments"]] == [
         ("elements.gz", "robot.urdf", "robot robot", ["<gazebo>"], []),
         ("elements.ball", "robot.xml", "<worldbody>", ["body ball"], []),
@@ -232,17 +214,14 @@ def test_robot_json_says_what_was_changed(tmp_path):
 
 
 def test_entries_of_a_format_that_is_not_written_are_named(tmp_path):
-    elements = {"ball": add(BALL, {"tag": "worldbody"}), "gz": add("<gazebo/>", {"tag": "robot"})}
-    keys = {"elements": elements, "attributes": {"floor": {"rgba": "1 0 0 1"}}}
-    exported = made(tmp_path, **keys, export={"urdf": {}})
-    (remark,) = messages_of(exported, "I-ELEMENT")
-    assert "elements.ball" in remark
-    assert "attributes.floor" in remark
-    assert "elements.gz" not in remark
-    assert b"<gazebo/>" in exported.files["robot.urdf"]
+    outcome = made(tmp_path, **MIXED, export={"urdf": {}})
+    (remark,) = messages_of(outcome, "I-ELEMENT")
+    named = [key in remark for key in ("elements.ball", "attributes.floor", "elements.gz")]
+    assert named == [True, True, False]
+    assert b"<gazebo/>" in outcome.files["robot.urdf"]
 
 
-def test_the_text_of_a_file_stands_for_it():
+def test_text_of_a_file_replaces_the_file():
     robot = arm()
     plan = plan_of(elements={"cam": {"into": {"name": "arm"}, "file": "mount.xml"}})
     exported = export(robot, geometry_of(robot), plan, {"cam": "<site name='s'/>"})
@@ -278,7 +257,7 @@ REFUSED = [
 @pytest.mark.parametrize(
     ("elements", "attributes", "where", "said"), REFUSED, ids=lambda value: str(value)[:40]
 )
-def test_what_cannot_be_is_named_with_what_there_is(tmp_path, elements, attributes, where, said):
+def test_impossible_change_is_named_with_what_there_is(tmp_path, elements, attributes, where, said):
     with pytest.raises(ExportError) as caught:
         made(tmp_path, elements=elements, attributes=attributes, actuators=SERVOS)
     (problem,) = caught.value.problems
@@ -287,22 +266,17 @@ def test_what_cannot_be_is_named_with_what_there_is(tmp_path, elements, attribut
 
 
 def test_all_problems_are_told_at_once(tmp_path):
+    elements = {"a": add("<site/>", {"name": "arn"}), "b": add("<gazebo/>", {"tag": "lnk"})}
     with pytest.raises(ExportError) as caught:
-        made(
-            tmp_path,
-            elements={"a": add("<site/>", {"name": "arn"}), "b": add("<gazebo/>", {"tag": "lnk"})},
-            attributes={"flor": {"rgba": "1 0 0 1"}},
-        )
-    assert {problem.where for problem in caught.value.problems} == {
-        "elements.a.into", "elements.b.into", "attributes.flor",
-    }  # fmt: skip
+        made(tmp_path, elements=elements, attributes={"flor": {"rgba": "1 0 0 1"}})
+    places = {problem.where for problem in caught.value.problems}
+    assert places == {"elements.a.into", "elements.b.into", "attributes.flor"}
 
 
-def test_a_link_that_is_added_to_a_urdf_counts(tmp_path):
+def test_link_that_is_added_to_a_urdf_counts(tmp_path):
     xml = """<link name='fin'/><joint name='flap' type='revolute'><parent link='arm'/><child link='fin'/>
     <axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"""
     robot = robot_with([joint("revolute", "base", "arm", name="elbow")])
     exported = made(tmp_path, robot, elements={"fin": add(xml, {"tag": "robot"})})
     assert exported.written.amendments.surplus_of("robot.urdf").dofs == 1
-    failed = [check for check in checks(tmp_path, exported, robot) if check.fails]
-    assert [check.name for check in failed if "links and joints" in check.name] == []
+    assert [check.name for check in failed(tmp_path, exported) if "links and joints" in check.name] == []

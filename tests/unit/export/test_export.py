@@ -18,48 +18,48 @@ from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.exports import exported
 from tests.support.kit import SIDE, TOP
 from tests.support.places import PROJECT
+from tests.support.states import equality_errors, pose_of, state
 
 
-def two_links(kit, **more):
-    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
-    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, **more)
+def model_in(folder):
+    return mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+
+
+def limit_in(outcome):
+    return dict(parse(outcome.files["robot.urdf"]).find("joint/limit").attrib)
 
 
 def test_limits_effort_and_damping_arrive_in_both_files(kit, tmp_path):
-    two_links(kit, limits=(-0.5, 1.5))
+    kit.elbow(value=0.3, limits=(-0.5, 1.5))
     joints = {"elbow": {"effort": 12, "velocity": 6, "damping": 0.1, "friction": 0.02, "armature": 0.01}}
-    exported = write(robot_of(kit.document, plan_of(joints=joints)), tmp_path)
-    assert [d.code for d in exported.diagnostics] == ["I-URDF-ARMATURE"]
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    outcome = write(robot_of(kit.document, plan_of(joints=joints)), tmp_path)
+    assert [d.code for d in outcome.diagnostics] == ["I-URDF-ARMATURE"]
+    model = model_in(tmp_path)
     elbow = model.joint("elbow")
     assert (list(elbow.range), list(model.jnt_actfrcrange[elbow.id])) == ([-0.5, 1.5], [-12, 12])
     assert (elbow.damping[0], elbow.frictionloss[0], elbow.armature[0]) == (0.1, 0.02, 0.01)
-    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
-    assert dict(limit.attrib) == {"lower": "-0.5", "upper": "1.5", "effort": "12", "velocity": "6"}
-    dynamics = parse(exported.files["robot.urdf"]).find("joint/dynamics")
+    assert limit_in(outcome) == {"lower": "-0.5", "upper": "1.5", "effort": "12", "velocity": "6"}
+    dynamics = parse(outcome.files["robot.urdf"]).find("joint/dynamics")
     assert dict(dynamics.attrib) == {"damping": "0.1", "friction": "0.02"}
 
 
 def test_joint_without_limits_is_continuous(kit, tmp_path):
-    two_links(kit)
-    exported = write(robot_of(kit.document), tmp_path)
-    joint = parse(exported.files["robot.urdf"]).find("joint")
-    assert joint.get("type") == "continuous"
-    assert dict(joint.find("limit").attrib) == {"effort": "100", "velocity": "10"}
-    assert [d.code for d in exported.diagnostics] == ["I-URDF-UNSET"]
-    assert not mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).jnt_limited[0]
+    kit.elbow(value=0.3)
+    outcome = write(robot_of(kit.document), tmp_path)
+    assert parse(outcome.files["robot.urdf"]).find("joint").get("type") == "continuous"
+    assert limit_in(outcome) == {"effort": "100", "velocity": "10"}
+    assert [d.code for d in outcome.diagnostics] == ["I-URDF-UNSET"]
+    assert not model_in(tmp_path).jnt_limited[0]
 
 
 def test_open_side_of_a_limit_stays_open_in_mujoco(kit, tmp_path):
-    two_links(kit, limits=(0.2, None))
-    exported = write(robot_of(kit.document), tmp_path)
-    low, high = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("elbow").range
-    assert (low, high) == (0.2, 1e6)
-    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
-    assert float(limit.get("lower")) == 0.2
-    assert float(limit.get("upper")) == pytest.approx(0.2 + 2 * math.pi)
+    kit.elbow(value=0.3, limits=(0.2, None))
+    limit = limit_in(write(robot_of(kit.document), tmp_path))
+    assert list(model_in(tmp_path).joint("elbow").range) == [0.2, 1e6]
+    assert [float(limit[end]) for end in ("lower", "upper")] == pytest.approx([0.2, 0.2 + 2 * math.pi])
 
 
 def test_qpos0_is_the_saved_pose_if_loops_are_open_at_zero(kit, tmp_path):
@@ -91,19 +91,16 @@ def crooked_bar(kit):
 
 def residual_at_start(robot, folder):
     write(robot, folder)
-    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    return float(np.abs(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max())
+    model = model_in(folder)
+    return float(np.abs(equality_errors(model, state(model))).max())
 
 
-def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit, tmp_path):
-    base, part_a, part_b = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
+def test_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit, tmp_path):
+    base, part_a, part_b = kit.based("One", "Two")
     first = kit.root.revolute("First", (part_a, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
     second = kit.root.revolute("Second", (part_b, TOP), (base, TOP), value=0.5, limits=(-2, 2))
     kit.root.gear("Gear", first, second, 1.5)
-    robot = robot_of(kit.document)
-    assert residual_at_start(robot, tmp_path) < 1e-9
+    assert residual_at_start(robot_of(kit.document), tmp_path) < 1e-9
     mimic = parse((tmp_path / "robot.urdf").read_bytes()).find("joint/mimic")
     assert dict(mimic.attrib) == {"joint": "first", "multiplier": "-1.5", "offset": "0.8"}
     if reads_mimic():  # MuJoCo's own reading of it is the same constraint.
@@ -112,25 +109,24 @@ def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit, tmp_path):
 
 
 def test_frames_are_sites_and_links_on_fixed_joints(kit, tmp_path):
-    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
-    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(0, 1))
+    _, arm = kit.elbow(value=0.3, limits=(0, 1))
     kit.root.connector("Tool", arm, SIDE)
-    write(robot_of(kit.document), tmp_path)
+    outcome = write(robot_of(kit.document), tmp_path)
     expected = kit.document.truth.poses({"Elbow": 0.8})[arm.path] @ SIDE
-    model = Mujoco(tmp_path / "robot.xml")
-    model.poses({"elbow": 0.8})
-    assert np.abs(model.data.site("tool").xpos - expected[:3, 3]).max() < 1e-9
-    tool = Pinocchio((tmp_path / "robot.urdf").read_bytes()).poses({"elbow": 0.8})["tool"]
+    tool = Pinocchio(outcome.files["robot.urdf"]).poses({"elbow": 0.8})["tool"]
     assert np.abs(tool - expected).max() < 1e-9
+    site = state(model_in(tmp_path), elbow=0.8).site("tool")
+    assert np.abs(pose_of(site) - expected).max() < 1e-9
 
 
-def test_one_format_alone_is_written_alone(kit, tmp_path):
-    two_links(kit)
+def test_one_format_alone_is_written_alone(kit):
+    kit.elbow(value=0.3)
     robot = robot_of(kit.document)
-    exported = write(robot, tmp_path / "u", plan_of(export={"urdf": {}}))
-    assert sorted(exported.files) == ["robot.json", "robot.srdf", "robot.urdf"]
-    exported = write(robot, tmp_path / "m", plan_of(export={"mjcf": {}}))
-    assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]
+    urdf, mjcf = (exported(robot, export={name: {}}) for name in ("urdf", "mjcf"))
+    assert sorted(urdf.files) == ["robot.json", "robot.srdf", "robot.urdf"]
+    assert sorted(mjcf.files) == ["robot.json", "robot.xml", "scene.xml"]
+    both = [path for path in expected_paths(plan_of(), "robot") if path != "assets/*"]
+    assert sorted(exported(robot).files) == sorted(both), "every file that is written is expected"
 
 
 def test_writer_has_a_folder_an_option_and_reads_earlier_writers():
@@ -149,23 +145,10 @@ def test_writer_reads_files_of_formats_that_are_not_chosen(kit, monkeypatch):
 
     reader = SimpleNamespace(reads=("urdf",), write=write)
     monkeypatch.setattr("linkwright.stages.export.build.WRITERS", {**WRITERS, "reader": reader})
-    two_links(kit)
+    kit.elbow(value=0.3)
     robot, plan = robot_of(kit.document), plan_of()
     for chosen in (("reader",), ("urdf", "reader")):
-        exported = export(
-            robot,
-            NO_MESHES,
-            plan.model_copy(
-                update={"export": SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None)}
-            ),
-        )
-        assert exported.files["seen.txt"] == b"robot.urdf robot.srdf"
-        assert ("robot.urdf" in exported.files) == ("urdf" in chosen)
-
-
-def test_every_file_that_is_written_is_expected(kit, tmp_path):
-    two_links(kit)
-    plan = plan_of()
-    exported = write(robot_of(kit.document), tmp_path, plan)
-    expected = expected_paths(plan, "robot")
-    assert sorted(exported.files) == sorted(path for path in expected if path != "assets/*")
+        section = SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None)
+        outcome = export(robot, NO_MESHES, plan.model_copy(update={"export": section}))
+        assert outcome.files["seen.txt"] == b"robot.urdf robot.srdf"
+        assert ("robot.urdf" in outcome.files) == ("urdf" in chosen)

@@ -10,24 +10,28 @@ import pytest
 from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters
 from linkwright.stages.robot.contact.left_out import LeftOut
 from linkwright.stages.robot.model.geom_form import ContactProperties
-from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
+from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.motion.start_pose import home
-from tests.support.building import write
-from tests.support.exports import compiled, exported
+from tests.support.building import solid, write
+from tests.support.exports import compiled, exported, messages_of
 from tests.support.robots import joint, robot_with
+from tests.support.states import state
 from tests.support.touching import ball, geoms_in_mujoco
 
 
 def robot_of(counts, fixed=True):
     """A base with so many links on it, each of so many balls, all in one place."""
-    names = [f"l{index}" for index in range(len(counts))]
-    robot = robot_with([joint("revolute", "base", name) for name in names], root="base", fixed=fixed)
-    shapes = [
-        Shape(name, "collision", None, None, 0, 0, 1.0, 1.0, ball(5.0))
-        for name, count in zip(["base", *names], [1, *counts], strict=True)
-        for _ in range(count)
-    ]
-    return robot, shapes
+    shapes = {"base": (ball(5.0),)} | {
+        f"l{index}": (ball(5.0),) * count for index, count in enumerate(counts)
+    }
+    robot = robot_with(
+        [joint("revolute", "base", f"l{n}") for n in range(len(counts))], shapes=shapes, fixed=fixed
+    )
+    return robot, colliders(robot)
+
+
+def colliders(robot):
+    return [shape for shape in solid(robot).shapes if shape.role == "collision"]
 
 
 def every_pair(robot, geometry):
@@ -78,8 +82,7 @@ MARGIN_OF_TWO = np.sum if tuple(map(int, mujoco.__version__.split(".")[:2])) >= 
 def contact_properties(model):
     """The properties of each contact, by its two geoms. They are copies: in MuJoCo 3.3.3 a contact is a view
     into its MjData, and does not keep it alive."""
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data = state(model)
     keys = ("dim", "friction", "solref", "solimp", "includemargin")  # no geom has a gap: the margin itself
     return {
         tuple(sorted(contact.geom)): {key: np.array(getattr(contact, key)) for key in keys}
@@ -118,35 +121,36 @@ def test_two_copies_in_one_scene_collide_with_each_other(seed):
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 4, 3).tolist()
     robot, shapes = robot_of(counts, fixed=False)
-    geometry = Geometry(tuple(shapes), {}, (), True, tuple(random_excludes(rng, counts)))
-    outcome = exported(robot, geometry)
+    outcome = exported(robot, Geometry(tuple(shapes), {}, (), True, tuple(random_excludes(rng, counts))))
     single = geoms_in_mujoco(compiled(outcome), robot, home(robot))
     spec = mujoco.MjSpec()
     for prefix in ("a_", "b_"):
         copy = mujoco.MjSpec.from_string(outcome.files["robot.xml"].decode())
         spec.attach(copy, prefix=prefix, frame=spec.worldbody.add_frame())
     model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    met = [tuple(sorted(model.geom(geom).name for geom in contact.geom)) for contact in data.contact]
-    between = {pair for pair in met if pair[0][:2] != pair[1][:2]}
+    met = met_in(model)
+    between = {pair for pair in met if len({name[:2] for name in pair}) == 2}
     names = [model.geom(geom).name for geom in range(model.ngeom)]
-    assert between == set(
-        itertools.product(*([name for name in names if name[:2] == p] for p in ("a_", "b_")))
-    )
+    ours, theirs = ([name for name in names if name.startswith(prefix)] for prefix in ("a_", "b_"))
+    assert between == {frozenset(pair) for pair in itertools.product(ours, theirs)}
     assert len(met) - len(between) == 2 * len(single)
+
+
+def met_in(model):
+    """The pairs of geoms that are in contact, by name."""
+    data = state(model)
+    return {
+        frozenset(model.geom(geom).name for geom in contact.geom) for contact in data.contact[: data.ncon]
+    }
 
 
 def beside_the_world(number):
     """A robot with this number of balls on the world's own link, each excluded from another link on it."""
-    rows = [joint("revolute", "world", f"l{index}") for index in range(number)]
-    robot = robot_with(rows, root="world")
-    shapes = [
-        Shape(link, "collision", None, None, 0, 0, 1.0, 1.0, ball(5.0))
-        for link in ["world"] * number + [f"l{index}" for index in range(number)]
-    ]
-    excludes = tuple(Exclude("world", f"l{n}", "Always", 0.0, ((n, 0),)) for n in range(number))
-    return robot, Geometry(tuple(shapes), {}, (), True, excludes)
+    names = [f"l{index}" for index in range(number)]
+    shapes = {"world": (ball(5.0),) * number} | dict.fromkeys(names, (ball(5.0),))
+    robot = robot_with([joint("revolute", "world", name) for name in names], root="world", shapes=shapes)
+    excludes = tuple(Exclude("world", name, "Always", 0.0, ((n, 0),)) for n, name in enumerate(names))
+    return robot, Geometry(tuple(colliders(robot)), {}, (), True, excludes)
 
 
 def test_geoms_of_the_world_are_told_apart_by_bits():
@@ -165,35 +169,23 @@ def test_thirty_classes_are_told_apart_and_more_are_reported():
     robot, geometry = beside_the_world(MAX_CLASSES + 1)
     masks = filters(robot, geometry)
     assert masks.wide == masks.pairs == (("world", f"l{MAX_CLASSES}"),)
-    losses = [
-        diagnostic
-        for diagnostic in exported(robot, geometry).diagnostics
-        if diagnostic.code == "W-WIDE-EXCLUDE"
-    ]
-    assert len(losses) == 1
-    assert f"world and l{MAX_CLASSES}" in losses[0].message
+    (loss,) = messages_of(exported(robot, geometry), "W-WIDE-EXCLUDE")
+    assert f"world and l{MAX_CLASSES}" in loss
 
 
-def test_ground_touches_links_that_the_world_excludes(tmp_path):
+@pytest.mark.parametrize("world", [0, 2])
+def test_ground_touches_links_that_the_world_excludes(world, tmp_path):
     """A root called `world` is MuJoCo's worldbody, in which the ground is too."""
-    bare = robot_with([joint("revolute", "world", "arm")], root="world")
-    for world in (0, 2):
-        shapes = [
-            Shape(link, "collision", None, None, 0, 0, 1.0, 1.0, ball(5.0))
-            for link in ["world"] * world + ["arm"] * 2
-        ]
-        excludes = (Exclude("world", "arm", "User", 0.0),)
-        geometry = Geometry(tuple(shapes), {}, (), True, excludes)
-        assert filters(bare, geometry).pairs == ()
-        write(bare, tmp_path, geometry=geometry)
-        model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        met = {frozenset(model.geom(geom).name for geom in contact.geom) for contact in data.contact}
-        assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}
+    shapes = {"world": (ball(5.0),) * world, "arm": (ball(5.0),) * 2}
+    robot = robot_with([joint("revolute", "world", "arm")], root="world", shapes=shapes)
+    geometry = Geometry(tuple(colliders(robot)), {}, (), True, (Exclude("world", "arm", "User", 0.0),))
+    assert filters(robot, geometry).pairs == ()
+    write(robot, tmp_path, geometry=geometry)
+    met = met_in(mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml")))
+    assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}
 
 
-def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
+def test_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     """Whether they do or do not collide among themselves, as long as they have the lowest bit in contype."""
     robot, geometry = beside_the_world(3)
     write(robot, tmp_path, geometry=geometry)
@@ -206,16 +198,11 @@ def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
         # Older versions of MuJoCo have it on the element.
         spec.delete(key) if hasattr(spec, "delete") else key.delete()
     model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    solid = {model.geom(index).name for index in range(model.ngeom) if model.geom(index).name.startswith("l")}
-    assert len(solid) == 3
-    met = {frozenset(model.geom(geom).name for geom in contact.geom) for contact in data.contact[: data.ncon]}
+    links = {model.geom(index).name for index in range(model.ngeom) if model.geom(index).name.startswith("l")}
+    assert len(links) == 3
+    met = met_in(model)
     for other in ("floor", "thing", "pusher"):
-        assert {frozenset((geom, other)) for geom in solid} <= met
+        assert {frozenset((geom, other)) for geom in links} <= met
     low = spec.worldbody.add_geom(name="low", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     low.contype, low.conaffinity = 2, 2
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    assert not [contact for contact in data.contact[: data.ncon] if model.geom("low").id in contact.geom]
+    assert not [pair for pair in met_in(spec.compile()) if "low" in pair]

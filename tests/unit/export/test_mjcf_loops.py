@@ -15,7 +15,8 @@ from tests.support import robots
 from tests.support.building import robot_of, write
 from tests.support.kit import four_bar
 from tests.support.robots import at, joint, loop, robot_with, solid, some_value
-from tests.unit.export.test_mjcf import NUMBERS, body_pose, model_of
+from tests.support.states import equality_errors, pose_of, run, state
+from tests.unit.export.test_mjcf import NUMBERS, model_of
 
 
 def hung(kind, rng):
@@ -34,16 +35,13 @@ def hung(kind, rng):
 
 def fallen(robot, seconds, step):
     model = model_of(robot, scene__option={"timestep": step})
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("cad").id)
-    for _ in range(round(seconds / step)):
-        mujoco.mj_step(model, data)
+    data = run(model, state(model, "cad"), seconds)
     mujoco.mj_kinematics(model, data)
-    return {name: body_pose(data, name) for name in ("a", "b")}
+    return {name: pose_of(data.body(name)) for name in ("a", "b")}
 
 
 @pytest.mark.parametrize("kind", robots.LOOPS)
-def test_a_loop_moves_as_the_joint_that_it_is(kind):
+def test_loop_moves_as_the_joint_that_it_is(kind):
     """MuJoCo's own joint is the oracle. What is left is of the order of the time step."""
     tree, loop_of_it = hung(kind, np.random.default_rng(3))
     expected, actual = fallen(tree, 0.15, 3e-4), fallen(loop_of_it, 0.15, 3e-4)
@@ -56,7 +54,7 @@ def test_a_loop_moves_as_the_joint_that_it_is(kind):
 
 
 @pytest.mark.parametrize(("factor", "rotor"), [(0.003, 1e-3), (-0.01, 1e-3), (1.0, 0.1), (-40.0, 1e3)])
-def test_what_is_related_holds_together_under_load(factor, rotor):
+def test_relation_holds_under_load(factor, rotor):
     """A screw, and steeper ones: (I + k² m) θ̈ = τ + k F, the way being ½ θ̈ t (t + h)."""
     thread = Relation("thread", "arm_joint_slide", "arm_joint_turn", factor, 0.0)
     inertials = {"arm": Inertial(2.0, frozen(np.zeros(3)), frozen(rotor * np.diag([1.5, 1.5, 1.0])))}
@@ -74,21 +72,17 @@ def test_what_is_related_holds_together_under_load(factor, rotor):
     assert turn.qpos[0] == pytest.approx(5 * data.time * (data.time + model.opt.timestep), rel=1e-3)
 
 
-def test_relation_counts_from_qpos0():
-    for factor in (0.25, 4.0):
-        relation = Relation("gears", "two_joint", "one_joint", factor, 0.3)
-        joints = [joint("revolute", "base", "one", (0.4,)), joint("revolute", "base", "two", (0.7,))]
-        robot = robot_with(joints, relations=[relation])
-        model = model_of(robot)
-        data = mujoco.MjData(model)
-        for driver in (0.0, 0.4, -1.3):
-            data.joint("one_joint").qpos[:] = driver
-            data.joint("two_joint").qpos[:] = factor * driver + 0.3
-            mujoco.mj_forward(model, data)
-            assert np.abs(data.efc_pos).max() < NUMBERS
+@pytest.mark.parametrize("factor", [0.25, 4.0])
+def test_relation_counts_from_qpos0(factor):
+    relation = Relation("gears", "two_joint", "one_joint", factor, 0.3)
+    joints = [joint("revolute", "base", "one", (0.4,)), joint("revolute", "base", "two", (0.7,))]
+    model = model_of(robot_with(joints, relations=[relation]))
+    for driver in (0.0, 0.4, -1.3):
+        data = state(model, one_joint=driver, two_joint=factor * driver + 0.3)
+        assert np.abs(data.efc_pos).max() < NUMBERS
 
 
-def test_a_loop_of_hinges_gives_way_to_no_load():
+def test_loop_of_hinges_gives_way_to_no_load():
     """Two bars that lean on each other: a truss, which stands still whatever pulls at it."""
     y = robots.from_parts(rotation_from_rpy((-math.pi / 2, 0.0, 0.0)), np.zeros(3))
     tip = at(0.5, 0, 0)
@@ -103,8 +97,7 @@ def test_a_loop_of_hinges_gives_way_to_no_load():
     model = model_of(robot)
     data = mujoco.MjData(model)
     data.xfrc_applied[model.body("one").id][:3] = [-800.0, 0.0, 500.0]
-    for _ in range(500):
-        mujoco.mj_step(model, data)
+    run(model, data, 1.0)
     assert np.abs(data.qvel).max() < 1e-6
     assert np.abs(data.qpos).max() < 1e-6  # by MuJoCo's default it is 1000 times more
 
@@ -130,7 +123,7 @@ def sliders():
     return robot_with(joints, loops=[mate])
 
 
-def test_a_loop_of_slides_holds_under_load():
+def test_loop_of_slides_holds_under_load():
     """All is translation, so mass and conditions are constant, and the motion is ½ q̈ t² in closed form;
     MuJoCo's semi-implicit step makes that ½ q̈ t (t + h)."""
     robot = sliders()
@@ -181,21 +174,18 @@ def test_carrier_is_on_the_fixed_link():
     mates = [loop("planar", "world", "b", place, near, values, name=name) for name in ("loop", "more")]
     robot = robot_with([joint("free", "world", "b", [there])], root="world", loops=mates)
     model = model_of(robot)
-    assert [model.body(index).name for index in range(model.nbody)] == [
-        "world", "b", "loop_carrier", "more_carrier",
-    ]  # fmt: skip
+    names = [model.body(index).name for index in range(model.nbody)]
+    assert names == ["world", "b", "loop_carrier", "more_carrier"]
     assert np.allclose(model.body_mass[1:], robot.link("b").inertial.mass / 3)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    equal = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    assert equal.sum() == 12
-    assert np.abs(data.efc_pos[equal]).max() < NUMBERS
+    errors = equality_errors(model, state(model))
+    assert len(errors) == 12
+    assert np.abs(errors).max() < NUMBERS
     for name, value in zip(("loop_x", "loop_y", "loop_turn"), values, strict=True):
         assert model.joint(name).qpos0[0] == pytest.approx(value, abs=1e-9)
 
 
 @pytest.mark.parametrize("kind", robots.LOOPS)
-def test_the_gap_is_what_the_loops_own_dofs_cannot_explain(kind):
+def test_gap_is_what_the_loops_own_dofs_cannot_explain(kind):
     """At zero the tree has moved by the loop's own motion: closed. Tilted besides: open by the tilt."""
     rng = np.random.default_rng(8)
     values = [some_value(freedom, rng, 0.4) for _, freedom, _ in robots.CHAINS[kind]]
@@ -210,40 +200,28 @@ def test_the_gap_is_what_the_loops_own_dofs_cannot_explain(kind):
         assert np.allclose(start[name], value, atol=1e-12) or np.allclose(start[name], -np.array(value))
     tilt = robots.from_parts(rotation_from_rpy((0.01, 0.0, 0.0)), np.zeros(3))
     shift = at(0.0, 0.0, 0.003)
-    open_by = {
-        name: gap(
-            mate, link_poses(robot_with([joint("fixed", "base", "a", place=place @ motion_of_loop @ off)]))
-        )
-        for name, off in (("tilt", tilt), ("shift", shift))
-    }
+    open_by = {}
+    for name, off in (("tilt", tilt), ("shift", shift)):
+        moved = robot_with([joint("fixed", "base", "a", place=place @ motion_of_loop @ off)])
+        open_by[name] = gap(mate, link_poses(moved))
     assert open_by["tilt"] == pytest.approx(0.0 if kind == "ball" else 0.01, abs=1e-6)
     slides_along_z = kind in ("prismatic", "cylindrical", "parallel")
     assert open_by["shift"] == pytest.approx(0.0 if slides_along_z else 0.003, abs=1e-12)
 
 
-def test_qpos0_is_mate_zero_where_loops_close_there(kit):
+def test_loop_stays_closed_while_it_is_simulated(kit, tmp_path):
+    """Its mate zero, at which it starts, is closed."""
     four_bar(kit)
     robot = robot_of(kit.document)
-    start = starting_point(robot)
-    assert {start[dof.name] for dof in robot.dofs} == {0.0}
-    model = model_of(robot)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    assert rows.any()
-    assert np.abs(data.efc_pos[rows]).max() < 1e-9
-
-
-def test_a_loop_stays_closed_while_it_is_simulated(kit, tmp_path):
-    four_bar(kit)
-    write(robot_of(kit.document), tmp_path)
+    assert {starting_point(robot)[dof.name] for dof in robot.dofs} == {0.0}
+    write(robot, tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    data = state(model)
+    assert 0 <= np.abs(equality_errors(model, data)).max() < 1e-9
     model.opt.gravity[:] = [3, -5, 0]
-    data = mujoco.MjData(model)
     worst = 0.0
     for _ in range(1000):
         mujoco.mj_step(model, data)
-        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        worst = max(worst, np.abs(data.efc_pos[rows]).max())
+        worst = max(worst, np.abs(equality_errors(model, data)).max())
     assert worst < 1e-3
     assert np.abs(data.qpos).max() > 0.1

@@ -6,24 +6,23 @@ import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import mujoco
-import numpy as np
 import pytest
 import yaml
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.motor_files import OURS, library
+from linkwright.pipeline.motor_files import OURS
 from linkwright.stages.export import export
-from linkwright.stages.export.configuration.motor_section import QUANTITIES, MotorSection
 from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.robot import Limits
-from linkwright.stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
-from tests.support.exports import compiled, exported, messages_of
+from tests.support.exports import compiled, exported, failing, messages_of
 from tests.support.pendulums import ACROSS, at_home, both, lump, pendulum, problem
-from tests.support.places import SHARED
+from tests.support.reported import only
 from tests.support.robots import joint, robot_with
+from tests.support.states import run
 from tests.unit.export.test_actuator_types import since
 
 BENCH = "a bench, on paper"
@@ -31,14 +30,10 @@ BENCH = "a bench, on paper"
 
 def motor(**values):
     table = {
-        name: {"value": value, "source": f"{BENCH}: {name}", "kind": "measured"}
-        for name, value in values.items()
+        key: {"value": value, "source": f"{BENCH}: {key}", "kind": "measured"}
+        for key, value in values.items()
     }
     return {"title": "A motor", "values": table}
-
-
-def effort(**value):
-    return {"title": "x", "values": {"effort": value}}
 
 
 FULL = motor(
@@ -55,6 +50,11 @@ def dof_of(outcome):
     return json.loads(outcome.files["robot.json"])["joints"][0]["dofs"][0]
 
 
+def servo_of(outcome):
+    (servo,) = json.loads(outcome.files["robot.json"])["actuators"]
+    return servo
+
+
 def test_values_of_a_motor_are_in_all_formats_with_sources():
     outcome = driven_by(FULL)
     model, record = compiled(outcome), dof_of(outcome)
@@ -65,31 +65,23 @@ def test_values_of_a_motor_are_in_all_formats_with_sources():
     assert (limit.get("effort"), limit.get("velocity")) == ("8", "6")
     assert (dynamics.get("damping"), dynamics.get("friction")) == ("0.6", "0.05")
     source = f"motor own: {BENCH}: "
+    named = ("armature", "friction", "effort", "velocity")
     assert record["provenance"] == {
-        "lower": "source",
-        "upper": "source",
-        "armature": f"{source}armature (measured)",
+        "lower": "source", "upper": "source",
         "damping": f"{source}damping (measured); {BENCH}: back_emf (measured)",
-        "friction": f"{source}friction (measured)",
-        "effort": f"{source}effort (measured)",
-        "velocity": f"{source}velocity (measured)",
-    }
+        **{name: f"{source}{name} (measured)" for name in named},
+    }  # fmt: skip
     assert "estimated" not in record
     assert record["unset"] == []
-    assert not [
-        diagnostic for diagnostic in outcome.diagnostics if diagnostic.code in ("I-ARMATURE", "I-MOTOR")
-    ]
+    assert not {"I-ARMATURE", "I-MOTOR"} & {diagnostic.code for diagnostic in outcome.diagnostics}
 
 
-def test_a_motor_is_the_servo_that_it_says_with_its_own_gains():
+def test_motor_is_a_servo_with_its_own_gains():
     outcome = driven_by(FULL)
-    (servo,) = json.loads(outcome.files["robot.json"])["actuators"]
+    servo = servo_of(outcome)
     assert (servo["type"], servo["motor"], servo["kp"], servo["kv"]) == ("position", "own", 40, 0.5)
     assert servo["estimated"] == []
-    assert servo["provenance"] == {
-        "kp": f"motor own: {BENCH}: kp (measured)",
-        "kv": f"motor own: {BENCH}: kv (measured)",
-    }
+    assert servo["provenance"] == {key: f"motor own: {BENCH}: {key} (measured)" for key in ("kp", "kv")}
     assert list(compiled(outcome).actuator_biasprm[0][:3]) == [0, -40, -0.5]
 
 
@@ -125,7 +117,7 @@ def test_configuration_wins_over_motor_over_source():
     record = dof_of(outcome)
     assert (record["effort"], record["damping"], record["friction"]) == (100, 0.9, 0.05)
     assert (record["provenance"]["effort"], record["provenance"]["damping"]) == ("given", "given")
-    (servo,) = json.loads(outcome.files["robot.json"])["actuators"]
+    servo = servo_of(outcome)
     assert servo["kp"] == 70
     # The motor's kv belongs to its kp.
     assert servo["estimated"] == ["kv"]
@@ -182,7 +174,7 @@ def test_more_specific_value_wins_and_losers_are_reported(joints, entry, wins, q
 ], ids=["glob before", "glob after", "both globs", "own entry", "with the motor", "the same"])  # fmt: skip
 def test_gains_of_a_motor_win_over_globs_only(entries, gains, lost):
     outcome = exported(pendulum(), motors={"own": FULL}, actuators=entries)
-    (servo,) = json.loads(outcome.files["robot.json"])["actuators"]
+    servo = servo_of(outcome)
     assert (servo["kp"], servo["kv"]) == gains
     messages = messages_of(outcome, "I-MOTOR")
     losing = "the configuration overrides values of motors: "
@@ -192,12 +184,12 @@ def test_gains_of_a_motor_win_over_globs_only(entries, gains, lost):
 def test_motor_named_for_the_joint_drives_it():
     entries = {"arm_joint": {"motor": "own"}, "*": {"motor": "other"}}
     outcome = exported(pendulum(), motors={"own": FULL, "other": motor(kp=1, effort=1)}, actuators=entries)
-    (servo,) = json.loads(outcome.files["robot.json"])["actuators"]
+    servo = servo_of(outcome)
     assert (servo["motor"], servo["kp"], dof_of(outcome)["effort"]) == ("own", 40, 8)
 
 
 @since(3, 7)
-def test_the_constants_of_a_named_motor_win_over_a_globs_nominal():
+def test_constants_of_a_named_motor_win_over_a_globs_nominal():
     entries = {"*": {"type": "dcmotor", "nominal": [24, 3, 9]}, "arm_joint": {"motor": "own"}}
     model = compiled(exported(pendulum(), motors={"own": FULL}, actuators=entries))
     assert list(model.actuator_gainprm[0][:2]) == [3, 1.5]
@@ -206,6 +198,11 @@ def test_the_constants_of_a_named_motor_win_over_a_globs_nominal():
     (message,) = messages_of(outcome, "I-MOTOR")
     assert "resistance of arm_joint (3; `actuators` gives nominal)" in message
     assert "torque_constant of arm_joint (1.5; `actuators` gives nominal)" in message
+
+
+def class_of(outcome, name):
+    (node,) = ET.fromstring(outcome.files["robot.xml"]).findall(f".//worldbody//joint[@name='{name}']")
+    return node.get("class")
 
 
 def test_motor_of_a_joint_of_the_sample_has_its_values_and_class():
@@ -226,16 +223,10 @@ def test_motor_of_a_joint_of_the_sample_has_its_values_and_class():
     assert class_of(outcome, "elbow") == "sts3215"
 
 
-def class_of(outcome, name):
-    root = ET.fromstring(outcome.files["robot.xml"])
-    (node,) = root.findall(f".//worldbody//joint[@name='{name}']")
-    return node.get("class")
-
-
 @pytest.mark.parametrize(
     ("values", "name"), [({}, "own"), ({"effort": 5.0}, "hinge"), ({"effort": 8.0}, "own")]
 )
-def test_a_class_has_the_name_of_a_motor_only_with_its_values(values, name):
+def test_class_has_the_name_of_a_motor_only_with_its_values(values, name):
     plan = plan_of(
         joints={"arm_joint": values}, motors={"own": FULL}, actuators={"arm_joint": {"motor": "own"}}
     )
@@ -244,7 +235,7 @@ def test_a_class_has_the_name_of_a_motor_only_with_its_values(values, name):
 
 
 @pytest.mark.parametrize("gear", [3.0, -20.0])
-def test_a_gear_between_motor_and_joint_keeps_power_and_energy(gear):
+def test_gear_between_motor_and_joint_keeps_power_and_energy(gear):
     """At the joint: torque · speed, ½ · armature · speed² and all losses are the motor's."""
     model, record = compiled(driven_by(FULL, gear=gear)), dof_of(driven_by(FULL, gear=gear))
     ratio, speed = abs(gear), 0.7
@@ -256,7 +247,7 @@ def test_a_gear_between_motor_and_joint_keeps_power_and_energy(gear):
     assert model.actuator_gainprm[0][0] * gear**2 == pytest.approx(40 * gear**2)
 
 
-def test_a_rotor_counts_with_the_square_of_the_motors_own_gear():
+def test_rotor_counts_with_the_square_of_the_motors_own_gear():
     outcome = driven_by(motor(rotor_inertia=1.2e-5, gear=50))
     assert compiled(outcome).dof_armature[0] == pytest.approx(0.03, rel=1e-12)
     assert dof_of(outcome)["provenance"]["armature"] == (
@@ -264,7 +255,7 @@ def test_a_rotor_counts_with_the_square_of_the_motors_own_gear():
     )
 
 
-def test_a_motor_moves_a_slide_through_a_gear_alone():
+def test_motor_moves_a_slide_through_a_gear_alone():
     entries = {"lift": {"motor": "own"}}
     code, message, hint = problem_with(both(), entries)
     assert (code, message) == ("E-MOTOR", "the motor own turns, but lift slides")
@@ -275,8 +266,6 @@ def test_a_motor_moves_a_slide_through_a_gear_alone():
 
 
 def problem_with(robot, entries):
-    from linkwright.stages.robot.errors import ExportError
-
     with pytest.raises(ExportError) as error:
         exported(robot, motors={"own": FULL}, actuators=entries)
     (only,) = error.value.problems
@@ -290,11 +279,11 @@ def test_undriven_joint_has_no_motor_and_another_type_keeps_it():
     assert first["dofs"][0]["effort"] == 80
     assert second["dofs"][0]["effort"] is None
     entries = {"*": {"motor": "own"}, "arm*": "velocity"}
-    (only,) = exported(pendulum(), motors={"own": FULL}, actuators=entries).written.actuation.actuators  # type: ignore[union-attr]
+    (only,) = exported(pendulum(), motors={"own": FULL}, actuators=entries).written.actuation.actuators
     assert (only.type, only.motor) == ("velocity", "own")
 
 
-def test_the_effort_bounds_what_the_motor_does_to_the_joint():
+def test_effort_bounds_what_the_motor_does_to_the_joint():
     model = compiled(driven_by(FULL, type="motor", ctrlrange=[-50, 50]))
     data = mujoco.MjData(model)
     data.ctrl[0] = 50
@@ -302,83 +291,22 @@ def test_the_effort_bounds_what_the_motor_does_to_the_joint():
     assert data.qfrc_actuator[0] == 8
 
 
-def test_a_motor_at_full_torque_runs_at_its_no_load_speed():
+def test_motor_at_full_torque_runs_at_its_no_load_speed():
     """A servo far from its target: the speed at which friction and back-EMF take all of the stall torque."""
     content = yaml.safe_load((OURS / "sts3215.yaml").read_text(encoding="utf-8"))
-    swing = joint("revolute", "base", "disc", [0.0], limits={})
-    robot = robot_with([swing], inertials={"disc": lump(0.1, 0, 0, 0)})
-    model = compiled(driven_by(content, robot))
+    disc = joint("revolute", "base", "disc", [0.0])
+    model = compiled(driven_by(content, robot_with([disc], inertials={"disc": lump(0.1, 0, 0, 0)})))
     data = mujoco.MjData(model)
     data.ctrl[0] = 1000.0
-    for _ in range(1500):
-        mujoco.mj_step(model, data)
-    assert data.qvel[0] == pytest.approx(content["values"]["velocity"]["value"], rel=1e-3)
+    speed = run(model, data, 3.0).qvel[0]
+    assert speed == pytest.approx(content["values"]["velocity"]["value"], rel=1e-3)
 
 
-def test_a_build_with_a_motor_passes_its_checks(tmp_path):
+def test_build_with_a_motor_passes_its_checks(tmp_path):
     plan = plan_of(actuators={"*": {"motor": "mx106"}})
-    robot = pendulum()
-    outcome = write(robot, tmp_path, plan)
-    assert [check.name for check in validate(tmp_path, outcome.written, plan) if check.fails] == []
-    assert abs(at_home(mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")), 2.0).qpos[0]) < 0.2
-
-
-@pytest.mark.parametrize("name", library())
-def test_motors_of_the_library_are_plausible_and_have_sources(name):
-    content = yaml.safe_load(library()[name].read_text(encoding="utf-8"))
-    values = MotorSection.model_validate(content).values
-    assert set(values) <= set(QUANTITIES)
-    assert {"armature", "damping", "friction", "effort"} <= set(values)
-    assert all("://" in value.source or "github.com/" in value.source for value in values.values())
-    assert content["notes"]
-    numbers = {key: motor_value.value for key, motor_value in values.items()}
-    assert 1e-4 < numbers["armature"] < 2
-    assert numbers["friction"] < 0.2 * numbers["effort"]
-    assert 0.05 < numbers["effort"] < 300
-    if "velocity" in numbers:
-        assert 1 < numbers["velocity"] < 60
-        # Never faster than where back-EMF alone takes the whole voltage.
-        assert numbers["velocity"] < numbers["voltage"] / numbers["torque_constant"]
-    if "back_emf" in numbers:
-        assert numbers["back_emf"] == pytest.approx(
-            numbers["torque_constant"] ** 2 / numbers["resistance"], rel=1e-3
-        )
-        stall = numbers["voltage"] * numbers["torque_constant"] / numbers["resistance"]
-        assert 0.95 * stall < numbers["effort"] < 1.001 * stall
-        at_speed = (numbers["damping"] + numbers["back_emf"]) * numbers["velocity"] + numbers["friction"]
-        assert at_speed == pytest.approx(numbers["effort"], rel=1e-3)
-    if "kp" in numbers:
-        # The whole torque at an error between a degree and a full turn.
-        assert 0.017 < numbers["effort"] / numbers["kp"] < 6.3
-
-
-SHEETS = {"mx64": (6.0, 63), "mx106": (8.4, 45), "xl330_m288": (0.52, 103)}
-"""Motor → stall torque [N m] and no-load speed [rev/min] in the ROBOTIS e-Manual, at the same voltage."""
-
-
-@pytest.mark.parametrize("name", SHEETS)
-def test_what_was_identified_is_near_the_datasheet(name):
-    values = MotorSection.model_validate(yaml.safe_load(library()[name].read_text(encoding="utf-8"))).values
-    torque, speed = SHEETS[name]
-    assert values["effort"].value == pytest.approx(torque, rel=0.25)
-    assert values["velocity"].value == pytest.approx(speed * 2 * np.pi / 60, rel=0.1)
-
-
-def test_our_sts3215_is_that_of_the_so101():
-    """Its MJCF has the same motor with the back-EMF in the joint's damping, to fewer digits."""
-    file = SHARED / "data/robots/so101/Simulation/SO101/joints_properties.xml"
-    if not file.exists():
-        pytest.skip("there are no shared data")
-    theirs = ET.parse(file).find("default[@class='sts3215']")
-    turn, servo = theirs.find("joint"), theirs.find("position")
-    model = compiled(exported(pendulum(), actuators={"*": {"motor": "sts3215"}}))
-    assert model.dof_armature[0] == pytest.approx(float(turn.get("armature", "")), rel=0.02)
-    assert model.dof_damping[0] == pytest.approx(float(turn.get("damping", "")), rel=0.02)
-    assert model.dof_frictionloss[0] == pytest.approx(float(turn.get("frictionloss", "")), rel=0.02)
-    assert model.actuator_gainprm[0][0] == pytest.approx(float(servo.get("kp", "")), rel=0.01)
-    assert model.jnt_actfrcrange[0][1] == pytest.approx(
-        float(servo.get("forcerange", "").split()[1]), rel=0.01
-    )
+    outcome = write(pendulum(), tmp_path, plan)
+    assert failing(tmp_path, outcome, plan) == []
+    assert abs(at_home(compiled(outcome), 2.0).qpos[0]) < 0.2
 
 
 def test_type_none_takes_a_motor_out():
@@ -386,7 +314,7 @@ def test_type_none_takes_a_motor_out():
 
 
 @since(3, 7)
-def test_a_dc_motor_whose_constants_nobody_knows_is_told():
+def test_dc_motor_whose_constants_nobody_knows_is_told():
     entries = {"*": {"type": "dcmotor", "motor": "erob80_100"}}
     code, message, _ = problem(pendulum(), **entries)
     assert code == "E-ACTUATOR"
@@ -400,7 +328,7 @@ def test_plan_of_a_motor_has_its_content():
     assert (plan.motors["sts3215"].values["armature"].value, Plan.parse(plan.tree())) == (0.0284, plan)
 
 
-def test_the_joints_of_a_robots_file_win_over_its_motors():
+def test_joints_of_a_robots_file_win_over_its_motors():
     plan = plan_of(
         joints={"elbow": {"rotor_inertia": 1e-5, "gear": 50, "effort": 12}},
         actuators={"elbow": {"motor": "mx106"}},
@@ -434,14 +362,9 @@ def test_control_of_a_motor_on_a_slide_is_its_turn():
      "raise kp; some of these kp are the motors' own: give another kp, or gravcomp"),
     ({"*": {"type": "position", "kp": 1}}, "raise kp, or leave it out: it is estimated then"),
 ], ids=["motors", "both", "none"])  # fmt: skip
-def test_the_hint_of_a_sag_knows_whose_kp_it_is(entries, hint):
+def test_hint_of_a_sag_knows_whose_kp_it_is(entries, hint):
     limits = {"a_joint": Limits(-1.0, 1.0), "arm_joint": Limits(-1.0, 1.0)}
-    swings = [
-        joint("revolute", "base", name, [0.0], place=ACROSS, limits=limits, name=f"{name}_joint")
-        for name in ("a", "arm")
-    ]
-    heavy = lump(5.0, 0.3, 0, 0)
-    robot = robot_with(swings, inertials={"a": heavy, "arm": heavy})
+    swings = [joint("revolute", "base", name, [0.0], place=ACROSS, limits=limits) for name in ("a", "arm")]
+    robot = robot_with(swings, inertials=dict.fromkeys(("a", "arm"), lump(5.0, 0.3, 0, 0)))
     outcome = exported(robot, motors={"own": motor(kp=2, kv=0.1, effort=50)}, actuators=entries)
-    (sag,) = (diagnostic for diagnostic in outcome.diagnostics if diagnostic.code == "W-ACTUATOR-SAG")
-    assert sag.hint == hint
+    assert only(outcome, "W-ACTUATOR-SAG").hint == hint

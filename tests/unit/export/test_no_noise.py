@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import rotation_from_rpy
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limits, Relation, frozen
-from tests.support.building import plan_of, write
+from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import from_parts, joint, robot_with
 
 NOISE = 1e-13
@@ -59,8 +58,8 @@ def words(text):
 
 
 def attributes(data):
-    for node in parse(data).iter():
-        yield from ((key, value) for key, value in node.attrib.items() if key not in SCALED)
+    nodes = parse(data).iter()
+    return [(key, value) for node in nodes for key, value in node.attrib.items() if key not in SCALED]
 
 
 def leaves(value, key=""):
@@ -77,7 +76,7 @@ def leaves(value, key=""):
 @pytest.mark.parametrize("seed", range(6))
 def test_no_file_has_noise_or_a_negative_zero(tmp_path, seed):
     plan = plan_of(actuators={"*": "position"}, scene__cameras={"view": {"frame": "eye"}})
-    files = write(robot(seed), tmp_path, plan, Geometry((), {})).files
+    files = write(robot(seed), tmp_path, plan, NO_MESHES).files
     for name in ("robot.urdf", "robot.xml", "scene.xml"):
         total = 0
         for key, text in attributes(files[name]):

@@ -77,7 +77,7 @@ def as_mujoco(order, model):
     assert [row["dim"] for row in sensors] == list(model.sensor_dim)
 
 
-def test_of_the_sample_with_the_names_of_its_mates_and_units():
+def test_order_of_the_sample_has_names_of_mates_and_units():
     robot = sample_robot()
     outcome = measured(robot)
     order = agrees(outcome)
@@ -123,7 +123,7 @@ def mixed(fixed):
 @pytest.mark.slow
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("form", ["merge", "keep"])
-def test_of_joints_of_every_type_with_loops_and_fixed_links(fixed, form):
+def test_order_of_joints_of_every_type_loops_and_fixed_links(fixed, form):
     robot = mixed(fixed)
     keys = {"mjcf": {"fixed_joints": form}, "urdf": {"fixed_joints": form}}
     order = agrees(measured(robot, export=keys))
@@ -137,22 +137,16 @@ def test_of_joints_of_every_type_with_loops_and_fixed_links(fixed, form):
         assert order["mjcf"]["joints"][0]["cad"] is None
 
 
-slowly = {
-    "deadline": None,
-    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
-}
-
-
 @pytest.mark.slow
-@settings(max_examples=30, **slowly)
+@settings(max_examples=30, suppress_health_check=[*HealthCheck])
 @given(documents(loops=True, everything=True), st.sampled_from(["auto", "free"]))
-def test_of_many_random_documents(document, base):
+def test_order_of_random_documents(document, base):
     robot = robot_of(document)
     base = "auto" if robot.root.name == "world" else base
     agrees(measured(robot_of(document, plan_of(root={"base": base}))))
 
 
-def test_only_of_the_formats_that_are_written():
+def test_order_is_of_the_written_formats_only():
     robot = robot_with([joint("revolute", "base", "arm")])
     for name, other in (("mjcf", "urdf"), ("urdf", "mjcf")):
         outcome = exported(robot, export={name: {}, other: None})
@@ -179,51 +173,38 @@ OTHERS = """<mujoco><default><default class="a"><joint type="slide"/><default cl
 </mujoco>"""
 
 
-def test_of_what_users_add_by_hand():
+def test_order_of_things_that_users_add_by_hand():
     """Frames, classes, more sections, and things that the robot does not know."""
-    model = mujoco.MjModel.from_xml_string(OTHERS)
-    tables = tables_of(OTHERS.encode())
-    assert [row["name"] for row in tables["joints"]] == [model.joint(i).name for i in range(model.njnt)]
-    assert [row["qpos"][0] for row in tables["joints"]] == list(model.jnt_qposadr)
-    assert [KINDS[row["kind"]] for row in tables["joints"]] == list(model.jnt_type)
-    assert [row["address"] for row in tables["sensors"]] == list(model.sensor_adr)
-    assert [row["dim"] for row in tables["sensors"]] == list(model.sensor_dim)
+    tables, model = tables_of(OTHERS.encode()), mujoco.MjModel.from_xml_string(OTHERS)
+    as_mujoco(tables | {"actuators": []}, model)
     (row,) = tables["actuators"]
     assert (row["name"], row["ctrl"], row["range"], row["unit"]) == ("pull", [0, 1], [-2, 3], None)
 
 
-def test_of_actuators_with_several_controls():
+SERVOS = """<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody><actuator>
+  <pid name="a" joint="j" kp="1"/><motor name="b" joint="j"/><pid name="c" joint="j" input="pos"/>
+  <pid name="d" joint="j" kp="1" input="pos vel ff"/><motor name="e" joint="j"/></actuator></mujoco>"""
+
+
+def test_order_of_actuators_with_several_controls():
     """MuJoCo 3.12 has them: a pid with a position, a speed and a force."""
-    pids = '<pid name="a" joint="j" kp="1"/><motor name="b" joint="j"/><pid name="c" joint="j" input="pos"/>'
-    text = f"<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody><actuator>{pids}"
-    text += (
-        '<pid name="d" joint="j" kp="1" input="pos vel ff"/><motor name="e" joint="j"/></actuator></mujoco>'
-    )
-    rows = tables_of(text.encode())["actuators"]
+    rows = tables_of(SERVOS.encode())["actuators"]
     assert [row["ctrl"] for row in rows] == [[0, 2], [2, 1], [3, 1], [4, 3], [7, 1]]
-    model = compiled_if_it_can(text)
+    if not hasattr(mujoco.MjModel, "nactuator"):
+        pytest.skip("this MuJoCo's actuators have one control each")
+    model = mujoco.MjModel.from_xml_string(SERVOS)
     assert [row["ctrl"][0] for row in rows] == list(model.actuator_ctrladr)
     assert [row["ctrl"][1] for row in rows] == list(model.actuator_ctrlnum)
 
 
-def compiled_if_it_can(text):
-    try:
-        model = mujoco.MjModel.from_xml_string(text)
-    except ValueError:
-        pytest.skip("this MuJoCo has no pid")
-    if not hasattr(model, "actuator_ctrladr"):
-        pytest.skip("this MuJoCo's actuators have one control each")
-    return model
-
-
 UNITS = {
     "motor": ("N m", "N"), "position": ("rad", "m"), "velocity": ("rad/s", "m/s"),
-    "intvelocity": ("rad/s", "m/s"), "damper": ("-", "-"), "pid": ("rad", "m"),
+    "intvelocity": ("rad/s", "m/s"), "damper": ("-", "-"), "pid": ("rad", "m"), "dcmotor": ("V", "V"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", UNITS)
-def test_the_unit_of_a_control_is_that_of_its_actuator(kind):
+def test_unit_of_a_control_is_that_of_its_actuator(kind):
     robot = robot_with([joint("revolute", "base", "arm"), joint("prismatic", "arm", "hand")])
     made = Actuation(tuple(Actuator(f"{joint.child}_drive", joint.name, kind) for joint in robot.joints))
     nodes = "".join(f'<{kind} name="{joint.child}_drive" joint="{joint.name}"/>' for joint in robot.joints)
@@ -231,13 +212,13 @@ def test_the_unit_of_a_control_is_that_of_its_actuator(kind):
     assert tuple(row["unit"] for row in rows) == UNITS[kind]
 
 
-def test_after_a_sensor_of_unknown_size_no_address_is_told():
+def test_sensors_after_one_of_unknown_size_have_no_address():
     text = b"<mujoco><sensor><clock name='a'/><plugin name='b'/><clock name='c'/></sensor></mujoco>"
     rows = tables_of(text)["sensors"]
     assert [(row["address"], row["dim"]) for row in rows] == [(0, 1), (1, None), (None, 1)]
 
 
-def test_what_does_not_compile_is_left_to_the_checks():
+def test_model_that_does_not_compile_is_left_to_the_checks():
     joints = '<body><joint name="a" type="bent"/><joint name="b"/></body>'
     more = '<actuator><motor ctrlrange="a b"/></actuator><sensor><user name="u" dim="x"/></sensor>'
     text = f"<mujoco><worldbody>{joints}</worldbody>{more}</mujoco>".encode()
@@ -249,7 +230,7 @@ def test_what_does_not_compile_is_left_to_the_checks():
     assert [row.tree for row in urdf_rows(parse(urdf), {}, {})] == [None]
 
 
-def test_a_deep_tree_is_walked():
+def test_deep_tree_is_walked():
     text = "<body><joint/>" * 1500 + "</body>" * 1500
     root = parse(f"<mujoco><worldbody>{text}</worldbody></mujoco>".encode(), large=True)
     assert len(list(joints_in_order(root))) == 1500

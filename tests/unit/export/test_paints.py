@@ -9,7 +9,7 @@ from linkwright.stages.robot.model.geometry import Geometry, Shape
 
 
 @pytest.mark.parametrize("name", NAMED_COLOURS)
-def test_a_colour_that_has_a_name_gets_it(name):
+def test_colour_that_has_a_name_gets_it(name):
     assert (word((*NAMED_COLOURS[name], 1.0)), word((*NAMED_COLOURS[name], 0.4))) == (name, f"clear_{name}")
 
 

@@ -1,4 +1,4 @@
-"""The Python package: names, keys, and which constants stand for which files."""
+"""The Python package: names, keys, and the constants of its files."""
 
 import ast
 import tomllib
@@ -18,14 +18,11 @@ def constants(text):
     folder = Path("/site/module")
     space = {"__file__": str(folder / "__init__.py")}
     exec(compile(text, "module", "exec"), space)
-    return {
-        name: str(Path(space[name]).relative_to(folder))
-        for name in space["__all__"]
-        if name.endswith("_PATH")
-    }
+    paths = [name for name in space["__all__"] if name.endswith("_PATH")]
+    return {name: str(Path(space[name]).relative_to(folder)) for name in paths}
 
 
-def test_a_constant_stands_for_each_file_that_is_there():
+def test_each_file_has_a_constant():
     files = files_of(export={"python": {}})
     assert [name for name in files if "/" not in name] == ["robot.json"]
     paths = constants(files["python/robot_description/__init__.py"])
@@ -53,7 +50,7 @@ def test_keys_are_in_the_project_and_paths_find_their_folder():
     assert "import my_arm" in ast.get_docstring(ast.parse(text))
 
 
-def test_the_users_own_xml_is_in_the_package():
+def test_users_own_xml_is_in_the_package():
     attributes = {"arm_joint": {"armature": 0.5, "formats": ["mjcf"], "tag": "joint"}}
     files = files_of(export={"python": {}}, attributes=attributes)
     assert b'armature="0.5"' in files["python/robot_description/robot/robot.xml"]

@@ -3,10 +3,11 @@
 import pytest
 
 from linkwright.stages.robot.errors import ExportError
+from tests.support.building import solid
 from tests.support.exports import exported
 from tests.support.pendulums import both, pendulum
 from tests.support.robots import joint, robot_with
-from tests.unit.export.test_sensors import arm, solid
+from tests.unit.export.test_sensors import arm
 
 BALLS = robot_with([joint("ball", "base", "arm"), joint("cylindrical", "arm", "rod", name="rod")])
 TAKES = "type motor takes forcerange, gear, ctrlrange, gravcomp"

@@ -11,12 +11,14 @@ from scipy.spatial.transform import Rotation
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.export.urdf.lowering import lower
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Mobility, Primitive, frozen
+from linkwright.stages.robot.codec import decode_robot, encode_robot
+from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, frozen
 from linkwright.stages.robot.motion import kinematics
 from linkwright.stages.robot.motion.kinematics import link_poses
-from tests.support.building import write
+from tests.support.building import plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
-from tests.support.exports import messages_of
+from tests.support.exports import exported, messages_of
 from tests.support.robots import (
     EVERY,
     LOOPS,
@@ -36,24 +38,19 @@ def described(robot):
 
 
 def matrix(record):
-    out = np.eye(4)
-    if record is not None:
-        w, x, y, z = record["quat"]
-        out[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix()
-        out[:3, 3] = record["xyz"]
-    return out
+    if record is None:
+        return np.eye(4)
+    return from_parts(Rotation.from_quat(np.roll(record["quat"], -1)).as_matrix(), np.array(record["xyz"]))
 
 
 def moved(dof, value):
     """A dof's motion, from its record alone."""
+    if dof["kind"] in ("ball", "free"):
+        return matrix({"xyz": value[:3] if dof["kind"] == "free" else [0, 0, 0], "quat": value[-4:]})
+    along = np.array(dof["axis"]) * value
     if dof["kind"] == "slide":
-        return at(*(np.array(dof["axis"]) * value))
-    out = np.eye(4)
-    if dof["kind"] == "turn":
-        out[:3, :3] = Rotation.from_rotvec(np.array(dof["axis"]) * value).as_matrix()
-        return out
-    xyz = value[:3] if dof["kind"] == "free" else [0, 0, 0]
-    return matrix({"xyz": xyz, "quat": value[-4:]})
+        return at(*along)
+    return from_parts(Rotation.from_rotvec(along).as_matrix(), np.zeros(3))
 
 
 def chain(dofs, q):
@@ -65,7 +62,7 @@ def chain(dofs, q):
 
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("kind", EVERY)
-def test_the_file_alone_gives_the_poses_of_all_links(kind, backwards):
+def test_file_alone_gives_the_poses_of_all_links(kind, backwards):
     rng = np.random.default_rng(EVERY.index(kind))
     origins = [pose(rng) for _ in range(3)]
     first = joint(kind, "base", "one", place=pose(rng), backwards=backwards, origins=origins)
@@ -111,82 +108,65 @@ def test_every_dof_has_one_form_and_its_own_numbers():
 
 
 @pytest.mark.parametrize("backwards", [False, True])
-def test_a_ball_has_the_value_of_its_chain_and_of_its_mate(backwards):
+def test_ball_has_the_value_of_its_chain_and_of_its_mate(backwards):
     value = some_value("ball", np.random.default_rng(2))
-    robot = robot_with([joint("ball", "base", "arm", (value,), backwards=backwards)])
-    (dof,) = described(robot)["joints"][0]["dofs"]
+    slide = joint("cylindrical", "base", "rod", (0.1, 0.2))
+    table = described(robot_with([joint("ball", "base", "arm", (value,), backwards=backwards), slide]))
+    (dof,) = table["joints"][0]["dofs"]
     assert dof["mate_quat"] == pytest.approx(value, abs=1e-11)
     back = (value[0], *(-x for x in value[1:])) if backwards else value
     assert dof["saved"] == pytest.approx(back, abs=1e-11)
+    # qpos0 is the start, and not the saved pose.
+    assert dof["qpos0"] == [1, 0, 0, 0]
+    assert [(dof["saved"], dof["qpos0"]) for dof in table["joints"][1]["dofs"]] == [(0.1, 0), (0.2, 0)]
 
 
-def test_qpos0_is_the_start_and_not_the_saved_pose():
-    robot = robot_with([joint("cylindrical", "base", "arm", (0.1, 0.2)), joint("ball", "base", "hand")])
-    table = described(robot)
-    slide, turn = table["joints"][0]["dofs"]
-    assert (slide["saved"], slide["qpos0"], turn["saved"], turn["qpos0"]) == (0.1, 0, 0.2, 0)
-    assert table["joints"][1]["dofs"][0]["qpos0"] == [1, 0, 0, 0]
-
-
-def test_where_a_ball_is_zero_is_reported_by_format(tmp_path):
+def test_zero_of_a_ball_is_reported_by_format(tmp_path):
     """Its loop is closed in the saved pose alone, so the MJCF starts there."""
     value = (0.8, 0.0, 0.6, 0.0)
     joints = [joint("ball", "base", "arm", [value])]
     poses = link_poses(robot_with(joints), {"arm_joint": value})
     ends = np.linalg.inv(poses["arm"]), np.linalg.inv(poses["base"])
-    robot = robot_with(joints, loops=[loop("revolute", "arm", "base", *ends, [0.0])], fixed=True)
-    exported = write(robot, tmp_path)
+    robot = robot_with(joints, loops=[loop("revolute", "arm", "base", *ends, [0.0])])
+    outcome = write(robot, tmp_path)
     (dof,) = described(robot)["joints"][0]["dofs"]
     assert dof["zero"] == {"urdf": [1, 0, 0, 0], "mjcf": list(value)}
-    engines = {"urdf": Pinocchio(exported.files["robot.urdf"]), "mjcf": Mujoco(tmp_path / "robot.xml")}
+    engines = {"urdf": Pinocchio(outcome.files["robot.urdf"]), "mjcf": Mujoco(tmp_path / "robot.xml")}
     for kind, engine in engines.items():
         actual = engine.poses({"arm_joint": (1.0, 0.0, 0.0, 0.0)})["arm"]
         wanted = link_poses(robot, {"arm_joint": tuple(dof["zero"][kind])})["arm"]
         np.testing.assert_allclose(actual, wanted, atol=1e-12)
-    (zero,) = messages_of(exported, "I-BALL-ZERO")
+    (zero,) = messages_of(outcome, "I-BALL-ZERO")
     assert "arm_joint (73.74 deg apart)" in zero
 
 
-def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path):
+def test_frames_of_a_loop_are_named_as_the_urdf_has_them():
     """Even where a link and a frame have the names that they would have."""
     joints = [joint("revolute", "base", name, [0.1]) for name in ("arm", "shut_a")]
-    robot = robot_with(
-        joints, loops=[loop("revolute", "arm", "shut_a", at(1, 0, 0), at(0, 1, 0), [0.0], name="shut")]
-    )
-    robot = replace(
-        robot, frames=(Frame("shut_b", "base", at(0, 0, 1), ""), Frame("arm", "base", at(0, 0, 2), ""))
-    )
-    urdf = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
+    shut = loop("revolute", "arm", "shut_a", at(1, 0, 0), at(0, 1, 0), [0.0], name="shut")
+    frames = Frame("shut_b", "base", at(0, 0, 1), ""), Frame("arm", "base", at(0, 0, 2), "")
+    robot = robot_with(joints, loops=[shut], frames=frames)
+    urdf = etree.fromstring(exported(robot).files["robot.urdf"])
     holders = {element.find("child").get("link"): element for element in urdf.findall("joint")}
     table = described(robot)
-    (shut,) = table["loops"]
-    assert shut["urdf"] == ["shut_a_2", "shut_b_2"]
-    assert {frame["name"]: frame["urdf"] for frame in table["frames"]} == {
-        "shut_b": "shut_b",
-        "arm": "arm_frame",
-    }
+    assert table["loops"][0]["urdf"] == ["shut_a_2", "shut_b_2"]
+    names = {frame["name"]: frame["urdf"] for frame in table["frames"]}
+    assert names == {"shut_b": "shut_b", "arm": "arm_frame"}
     for name, link, place in (
-        ("shut_a_2", "arm", "1 0 0"),
-        ("shut_b_2", "shut_a", "0 1 0"),
-        ("arm_frame", "base", "0 0 2"),
-    ):
+        ("shut_a_2", "arm", "1 0 0"), ("shut_b_2", "shut_a", "0 1 0"), ("arm_frame", "base", "0 0 2"),
+    ):  # fmt: skip
         assert holders[name].find("parent").get("link") == link
         assert holders[name].find("origin").get("xyz") == place
 
 
-def test_what_stands_for_a_joint_in_the_urdf_is_listed():
+def test_joints_of_the_urdf_in_place_of_a_ball_are_listed():
     robot = robot_with([joint("revolute", "base", "arm"), joint("ball", "arm", "hand")])
-    assert described(robot)["lowered"] == [
-        {
-            "joint": "hand_joint",
-            "joints": ["hand_joint_x", "hand_joint_y", "hand_joint_z"],
-            "links": ["hand_joint_1", "hand_joint_2"],
-        }
-    ]
-    assert [item.between for item in lower(robot)] == [(), ("hand_joint_1", "hand_joint_2")]
+    turns, links = [f"hand_joint_{axis}" for axis in "xyz"], ["hand_joint_1", "hand_joint_2"]
+    assert described(robot)["lowered"] == [{"joint": "hand_joint", "joints": turns, "links": links}]
+    assert [item.between for item in lower(robot)] == [(), tuple(links)]
 
 
-def test_what_cad_does_not_have_is_marked():
+def test_things_that_cad_does_not_have_are_marked():
     box = Primitive("box", (0.1, 0.2, 0.3), at(1, 0, 0), (1.0, 0.5, 0.0, 1.0), collision=False)
     ball = Primitive("sphere", (0.1,), at(0, 2, 0))
     rows = [replace(joint("fixed", "base", "tool"), mate=None), joint("revolute", "base", "arm")]
@@ -212,7 +192,7 @@ def test_what_cad_does_not_have_is_marked():
     assert table["total_mass"] == pytest.approx(sum(link["mass"] for link in (base, tool, arm)))
 
 
-def test_a_mirrored_part_has_the_pose_of_its_image():
+def test_mirrored_part_has_the_pose_of_its_image():
     robot = robot_with([joint("revolute", "base", "arm")])
     where = pose(np.random.default_rng(4)) @ np.diag([-1.0, 1.0, 1.0, 1.0])
     arm = robot.link("arm")
@@ -226,7 +206,7 @@ def test_a_mirrored_part_has_the_pose_of_its_image():
 
 
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loop_closes_by_its_record(kind):
+def test_loop_closes_by_its_record(kind):
     rng = np.random.default_rng(LOOPS.index(kind))
     near, far = pose(rng), pose(rng)
     values = [some_value(dof.kind, rng) for dof in loop(kind, "one", "two", near, far).dofs]
@@ -241,14 +221,31 @@ def test_a_loop_closes_by_its_record(kind):
     assert matrix(record["frame_a"]) == pytest.approx(near, abs=1e-11)
 
 
-def test_mobility_and_the_roots_pose_are_there():
-    where = pose(np.random.default_rng(9))
-    robot = robot_with([joint("revolute", "base", "arm")], world_from_root=where)
-    table = described(replace(robot, mobility=Mobility(5, 1, 2, (("close", 1),))))
-    assert table["mobility"] == {
-        "coordinates": 5,
-        "gruebler": 1,
-        "dof": 2,
-        "redundant": [{"loop": "close", "conditions": 1}],
-    }
-    assert matrix(table["root_pose"]) == pytest.approx(where, abs=1e-11)
+QUANTITIES = ("lower", "upper", "effort", "velocity", "damping", "friction", "armature")
+UNSET = ("unset",) * 5
+JOINTS = {"*": {"effort": 5, "damping": 0.1}, "elbow": {"limits": [None, 0.8]}}
+
+
+@pytest.mark.parametrize(("limits", "keys", "origins"), [
+    ((0, 1), {}, ("source", "source", *UNSET)),
+    ((None, 1), {}, ("unset", "source", *UNSET)),
+    ((0, 1), {"joints": JOINTS}, ("unset", "given", "given", "unset", "given", "unset", "unset")),
+    ((0, 1), {"actuators": {"*": {"type": "position"}}}, ("source", "source", *UNSET[1:], "estimated")),
+], ids=["limits of the mate", "one limit", "given by joints", "an estimated armature"])  # fmt: skip
+def test_each_quantity_of_a_joint_has_its_origin(kit, limits, keys, origins):
+    kit.elbow(value=0.3, limits=limits)
+    robot = decode_robot(encode_robot(robot_of(kit.document, plan_of(**keys))))
+    assert provenance_of(exported(robot, **keys)) == dict(zip(QUANTITIES, origins, strict=True))
+
+
+def provenance_of(outcome):
+    ((dof,),) = [joint["dofs"] for joint in json.loads(outcome.files["robot.json"])["joints"]]
+    return dof["provenance"]
+
+
+def test_joint_of_an_added_link_has_given_limits(kit):
+    kit.place("Base", fixed=True)
+    lid = {"parent": "base", "mass": 0.1, "geometry": {"sphere": {"radius": 0.01}}}
+    keys = {"links": {"lid": {**lid, "joint": {"type": "revolute", "limits": [0, 1], "axis": [0, 0, 1]}}}}
+    outcome = exported(robot_of(kit.document, plan_of(**keys)), **keys)
+    assert provenance_of(outcome) == dict(zip(QUANTITIES, ("given", "given", *UNSET), strict=True))

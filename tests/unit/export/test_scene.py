@@ -1,5 +1,6 @@
 """The world around the robot: every key of `ground` and `scene` shows in the compiled model."""
 
+import itertools
 import re
 
 import mujoco
@@ -16,28 +17,25 @@ from linkwright.stages.export.configuration.mujoco_section import (
 )
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
-from linkwright.stages.robot.model.robot import Frame, Primitive, frozen
-from tests.support.building import plan_of, write
+from linkwright.stages.robot.model.robot import Frame, frozen
 from tests.support.mujoco_schema import schema
 from tests.support.robots import at, joint, robot_with
-from tests.unit.export.test_standing import geometry_of, shaped
+from tests.support.states import pose_of, state
+from tests.support.touching import ball, box
+from tests.unit.export.test_standing import scene_of
 
 
-def arm():
-    robot = robot_with(
-        [joint("revolute", "base", "arm", name="elbow", saved=[0.4])],
-        frames=[Frame("eye", "arm", frozen(at(0.1, 0.0, 0.05)), "eye")],
-    )
-    box = Primitive("box", (0.2, 0.1, 0.3), frozen(np.eye(4)))
-    return shaped(robot, base=[box], arm=[Primitive("sphere", (0.05,), frozen(at(0.3, 0, 0)))])
+def arm(**more):
+    hinge = joint("revolute", "base", "arm", name="elbow", saved=[0.4])
+    shapes = {"base": (box(0.2, 0.1, 0.3),), "arm": (ball(0.05, at(0.3, 0, 0)),)}
+    eye = Frame("eye", "arm", frozen(at(0.1, 0.0, 0.05)), "eye")
+    return robot_with([hinge], frames=[eye], shapes=shapes, **more)
 
 
 def scene(folder, **keys):
     """The compiled scene, its text, and that of the robot alone."""
-    robot = arm()
-    write(robot, folder, plan_of(**keys), geometry_of(robot))
-    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
-    return model, (folder / "scene.xml").read_text(), (folder / f"{robot.name}.xml").read_text()
+    model = scene_of(arm(), folder, **keys)
+    return model, (folder / "scene.xml").read_text(), (folder / "robot.xml").read_text()
 
 
 def attributes(element):
@@ -73,48 +71,48 @@ def test_an_option_is_that_of_the_model(tmp_path, name):
     assert (f' {name}="' in "".join(re.findall("<option.*", world))) == (name not in ROBOT_FILE_OPTIONS)
 
 
-def test_words_and_flags_of_the_options(tmp_path):
+def test_words_and_flags_of_the_options_are_in_the_model(tmp_path):
     option = {"cone": "elliptic", "solver": "CG", "jacobian": "dense", "integrator": "RK4"}
     flag = {"gravity": "disable", "energy": "enable"}
     model, world, robot = scene(tmp_path, scene={"option": {**option, "flag": flag}})
-    assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
-    assert model.opt.solver == mujoco.mjtSolver.mjSOL_CG
-    assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
-    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
-    assert model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
-    assert model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_ENERGY
+    own = model.opt
+    assert (own.cone, own.solver) == (mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtSolver.mjSOL_CG)
+    assert own.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
+    assert own.integrator == mujoco.mjtIntegrator.mjINT_RK4
+    assert own.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    assert own.enableflags & mujoco.mjtEnableBit.mjENBL_ENERGY
     assert "cone" in robot
-    assert "<flag" in world
-    assert "<flag" not in robot
+    assert ("<flag" in world, "<flag" in robot) == (True, False)
 
 
-def test_what_is_not_given_is_not_written(tmp_path):
+def test_options_that_are_not_given_are_not_written(tmp_path):
     model, world, robot = scene(tmp_path)
-    assert "<option" not in world
-    assert "<compiler" not in world
+    assert not re.findall("<option|<compiler", world)
     assert re.findall("<option [^>]*>", robot) == ['<option timestep="0.002" integrator="implicitfast"/>']
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
 
 
-def test_settings_of_the_compiler(tmp_path):
+def test_settings_of_the_compiler_are_in_the_model(tmp_path):
     model, world, _ = scene(tmp_path, scene={"compiler": {"boundmass": 3.5, "lengthrange": {"mode": "none"}}})
     assert model.body_mass[1:].min() == 3.5
     assert '<lengthrange mode="none"/>' in world
 
 
-def test_the_ground(tmp_path):
+def test_ground_has_its_size_place_and_material(tmp_path):
+    assert scene(tmp_path)[0].geom("floor").matid >= 0
     model, text, _ = scene(tmp_path, ground={"size": None, "material": "plain"})
     floor = model.geom("floor")
-    assert (floor.size[:2].tolist(), floor.matid) == ([0, 0], -1)
-    assert "checker" not in text
-    model, _, _ = scene(tmp_path)
-    assert model.geom("floor").matid >= 0
+    assert (floor.size[:2].tolist(), floor.matid, "checker" in text) == ([0, 0], -1, False)
+    keys = {"size": [2, 3], "xyz": [0, 0, -0.5], "friction": [0.7, 0.01, 0.001]}
+    floor = scene(tmp_path, ground=keys)[0].geom("floor")
+    assert (floor.size[:2].tolist(), floor.pos.tolist()) == ([1, 1.5], [0, 0, -0.5])
+    assert floor.friction.tolist() == [0.7, 0.01, 0.001]
     model, text, _ = scene(tmp_path, ground={"kind": "none"})
     assert "floor" not in text
     assert not any(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
 
 
-def test_lights_and_the_sky(tmp_path):
+def test_lights_and_the_sky_are_in_the_scene(tmp_path):
     model, _, _ = scene(tmp_path)
     assert [model.light(index).name for index in range(model.nlight)] == ["sun"]
     lamp = {"kind": "spot", "xyz": [1, 2, 3], "direction": [0, 1, -1], "diffuse": [1, 0.5, 0], "cutoff": 30}
@@ -124,8 +122,7 @@ def test_lights_and_the_sky(tmp_path):
     assert (model.nlight, light.pos.tolist()) == (1, [1, 2, 3])
     np.testing.assert_allclose(light.dir, np.array([0, 1, -1]) / np.sqrt(2))
     np.testing.assert_allclose(light.diffuse, [1, 0.5, 0])
-    assert light.cutoff == 30
-    assert not light.castshadow
+    assert (light.cutoff, light.castshadow) == (30, False)
     assert "skybox" not in text
     _, text, _ = scene(tmp_path, scene={"skybox": {"top": [0.1, 0.2, 0.3]}})
     assert 'rgb1="0.1 0.2 0.3"' in text
@@ -133,15 +130,11 @@ def test_lights_and_the_sky(tmp_path):
 
 def looks(model, name):
     """Where a camera is at home, and the directions of its view and of the image's right, in the world."""
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    mujoco.mj_forward(model, data)
-    camera = data.cam(name)
-    turned = camera.xmat.reshape(3, 3)
-    return camera.xpos, -turned[:, 2], turned[:, 0]
+    world_from_camera = pose_of(state(model, "home").cam(name))
+    return world_from_camera[:3, 3], -world_from_camera[:3, 2], world_from_camera[:3, 0]
 
 
-def test_a_camera_in_the_world_looks_at_its_point(tmp_path):
+def test_camera_in_the_world_looks_at_its_point(tmp_path):
     camera = {"xyz": [1, 0, 0.5], "look_at": [0, 0, 0.5], "fovy": 60, "resolution": [320, 200]}
     model, world, robot = scene(tmp_path, scene={"cameras": {"side": camera}})
     place, view, right = looks(model, "side")
@@ -154,25 +147,20 @@ def test_a_camera_in_the_world_looks_at_its_point(tmp_path):
     assert "camera" not in robot
 
 
-def test_a_camera_on_a_frame_moves_with_it_and_is_the_robots(tmp_path):
+def test_camera_on_a_frame_moves_with_it_and_is_the_robots(tmp_path):
     camera = {"frame": "eye", "xyz": [0, 0, 0.01], "rpy": [0.1, 0.2, 0.3]}
     model, world, robot = scene(tmp_path, scene={"cameras": {"wrist": camera}})
     assert 'camera name="wrist"' in robot
     assert "wrist" not in world
     place, view, right = looks(model, "wrist")
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    mujoco.mj_forward(model, data)
-    world_from_eye = np.eye(4)
-    world_from_eye[:3, :3] = data.site("eye").xmat.reshape(3, 3)
-    world_from_eye[:3, 3] = data.site("eye").xpos
+    world_from_eye = pose_of(state(model, "home").site("eye"))
     expected = world_from_eye @ from_parts(rotation_from_rpy((0.1, 0.2, 0.3)), np.array([0, 0, 0.01]))
     np.testing.assert_allclose(place, expected[:3, 3], atol=1e-10)
     np.testing.assert_allclose(view, expected[:3, 2], atol=1e-10)
     np.testing.assert_allclose(right, expected[:3, 0], atol=1e-10)
 
 
-def test_a_camera_on_no_frame_is_refused(tmp_path):
+def test_camera_on_no_frame_is_refused(tmp_path):
     with pytest.raises(ExportError) as caught:
         scene(tmp_path, scene={"cameras": {"wrist": {"frame": "eyes"}}})
     (problem,) = caught.value.problems
@@ -180,25 +168,16 @@ def test_a_camera_on_no_frame_is_refused(tmp_path):
     assert "eye" in problem.hint
 
 
-def test_the_overview_sees_every_corner_of_the_robot(tmp_path):
+def test_overview_sees_every_corner_of_the_robot(tmp_path):
     model, _, _ = scene(tmp_path)
     place, view, right = looks(model, "overview")
-    down = np.cross(view, right)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    mujoco.mj_forward(model, data)
-    for geom in range(model.ngeom):
-        if geom == model.geom("floor").id:
-            continue
-        for sign in (-1, 1):
-            for axis in range(3):
-                point = (
-                    data.geom_xpos[geom] + sign * model.geom_size[geom][axis] * data.geom_xmat[geom][axis::3]
-                )
-                x, y, z = (point - place) @ np.column_stack([right, down, view])
-                assert abs(x) < z * np.tan(np.radians(22.5))
-                assert abs(y) < z * np.tan(np.radians(22.5))
-    low, high = np.array([-0.1, -0.05, 0.0]), np.array([0.35, 0.15, 0.3])
-    assert (model.stat.center > low).all()
-    assert (model.stat.center < high).all()
+    data = state(model, "home")
+    for geom in {*range(model.ngeom)} - {model.geom("floor").id}:
+        for sign, axis in itertools.product((-1, 1), range(3)):
+            reach = sign * model.geom_size[geom][axis] * data.geom_xmat[geom][axis::3]
+            away = data.geom_xpos[geom] + reach - place
+            x, y, z = away @ np.column_stack([right, np.cross(view, right), view])
+            assert max(abs(x), abs(y)) < z * np.tan(np.radians(22.5))
+    assert (model.stat.center > [-0.1, -0.05, 0.0]).all()
+    assert (model.stat.center < [0.35, 0.15, 0.3]).all()
     assert 0.25 < model.stat.extent < 0.6

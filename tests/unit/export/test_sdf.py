@@ -8,17 +8,28 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.poses import quat_from_rotation
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, frozen
-from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from linkwright.stages.robot.motion.start_pose import starting_point
-from tests.support.building import NO_MESHES
+from tests.support.building import NO_MESHES, solid
 from tests.support.engines import Pinocchio
-from tests.support.exports import exported
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
+from tests.support.exports import exported, losses_of
+from tests.support.robots import (
+    EVERY,
+    LOOPS,
+    at,
+    joint,
+    loop,
+    pose,
+    robot_around,
+    robot_with,
+    shut_by,
+    some_values,
+)
 from tests.support.sdf import Sdf, axis_of, transform
+from tests.support.touching import box
 from tests.support.validators import ign_sdf
 
 TOLERANCE = 1e-9
@@ -34,28 +45,19 @@ def sdf(robot, **keys):
 
 
 def losses(robot, geometry=NO_MESHES, **keys):
-    diagnostics = sdf_export(robot, geometry, export={"sdf": {}}, **keys).diagnostics
-    return {problem.code: problem.message for problem in diagnostics if problem.where == "robot.sdf"}
-
-
-def moving(robot, q):
-    """Values of what is a joint of the SDF, a free link being one of its own."""
-    free = {joint.dofs[0].name: joint.child for joint in robot.joints if joint.type == "free"}
-    return {free.get(name, name): value for name, value in q.items()}
+    return losses_of(sdf_export(robot, geometry, export={"sdf": {}}, **keys), "robot.sdf")
 
 
 def from_world(robot, q):
-    """The same, with a free link's pose in the model as what its link is moved by from where it stands."""
-    stands = link_poses(
-        robot, {d.name: starting_point(robot)[d.name] for d in robot.dofs if d.kind == "free"}
-    )
-    poses, out = link_poses(robot, q), {}
-    for name, value in moving(robot, q).items():
-        if isinstance(value, tuple) and len(value) == 7:
-            moved = np.linalg.inv(stands[name]) @ poses[name]
-            quat = np.roll(Rotation.from_matrix(moved[:3, :3]).as_quat(), 1)
-            value = (*map(float, moved[:3, 3]), *map(float, quat))
-        out[name] = value
+    """The values of the SDF's joints: a free link, which is one of its own, moves from where it stands."""
+    free = {joint.dofs[0].name: joint.child for joint in robot.joints if joint.type == "free"}
+    start, poses, out = starting_point(robot), link_poses(robot, q), {}
+    stands = link_poses(robot, {name: start[name] for name in free})
+    for name, value in q.items():
+        if name in free:
+            moved = np.linalg.inv(stands[free[name]]) @ poses[free[name]]
+            value = (*map(float, moved[:3, 3]), *map(float, quat_from_rotation(moved[:3, :3])))
+        out[free.get(name, name)] = value
     return out
 
 
@@ -68,14 +70,13 @@ def test_links_are_where_kinematics_have_them_and_weigh_the_same(kind, backwards
     files = sdf_export(robot).files
     read, by_urdf = Sdf(files["robot.sdf"]), Pinocchio(files["robot.urdf"])
     own = [dof.name for dof in robot.dofs if dof.kind != "free"]
-    fixed = [dof for dof in robot.dofs if dof.kind == "free"]
     sdf_name = {link.name: "world_link" if link.name == "world" else link.name for link in robot.links}
     for _ in range(5):
         q = some_values(robot, rng)
         actual, expected = read.poses(from_world(robot, q)), link_poses(robot, q)
         for link in expected:
             assert np.abs(actual[sdf_name[link]] - expected[link]).max() < TOLERANCE, link
-        if not fixed:
+        if kind != "free":
             mass = read.mass_matrix(q, own)
             scale = max(1.0, np.abs(mass).max())
             assert np.abs(mass - mass_matrix(robot, q)).max() < TOLERANCE * scale
@@ -85,58 +86,39 @@ def test_links_are_where_kinematics_have_them_and_weigh_the_same(kind, backwards
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", LOOPS)
 def test_loop_of_any_type_is_a_joint_that_closes_it(kind):
-    # The saved pose closes the loop, and mate zero does not.
-    rng = np.random.default_rng(LOOPS.index(kind))
-    rows = [
-        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
-        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
-    ]
-    robot = robot_with(rows)
-    saved = {dof.name: dof.saved for dof in robot.dofs}
-    poses, near = link_poses(robot, saved), pose(rng)
-    own = [0.3 * (index + 1) for index in range(len(loop(kind, "base", "two", near, near).dofs))]
-    values = [(0.6, 0.0, 0.8, 0.0)] if kind == "ball" else own
-    shut = loop(kind, "two", "base", near, np.eye(4), values, name="shut")
-    across = link_poses(robot_with([joint(kind, "base", "end")]), at_values(kind, values))["end"]
-    shut = replace(shut, b_from_frame=frozen(poses["two"] @ near @ np.linalg.inv(across)))
-    robot = replace(robot, loops=(shut,))
-    text = sdf(robot)
-    read = Sdf(text)
-    assert len(read.loops) == 1
-    last = read.joints[read.loops[0]]
+    robot, mate, values = shut_by(kind)
+    poses, (shut,) = link_poses(robot, saved_configuration(robot)), robot.loops
+    read = Sdf(sdf(robot))
+    (name,) = read.loops
+    last = read.joints[name]
     assert last.findtext("child") == "two"
     # The SDF stands at the saved pose.
     actual = read.poses({})
     for link in poses:
         assert np.abs(actual[link] - poses[link]).max() < TOLERANCE
     # As its parent has it, through the links between, and as its child has it, the frame is the robot's.
-    first, second = read.ends(read.loops[0], {})
-    assert np.abs(second - poses["two"] @ near).max() < TOLERANCE
+    first, second = read.ends(name, {})
+    assert np.abs(second - poses["two"] @ shut.a_from_frame).max() < TOLERANCE
     assert np.abs(first - second).max() < TOLERANCE
     # Moved along its own dofs, the tree's end stays on the chain of the joints that close the loop.
-    more = {name: 0.1 for name in read.joints if name.startswith("shut_") and name != read.loops[0]}
-    moved, _ = read.ends(read.loops[0], more)
-    turn = np.eye(4)
-    axis = axis_of(last)
+    moved, _ = read.ends(
+        name, {other: 0.1 for other in read.joints if other.startswith("shut_") and other != name}
+    )
+    turn, axis = np.eye(4), axis_of(last)
     if last.get("type") in ("revolute", "continuous"):
         turn[:3, :3] = Rotation.from_rotvec(0.1 * axis).as_matrix()
     elif last.get("type") == "prismatic":
         turn[:3, 3] = 0.1 * axis
     if kind not in ("ball", "fixed"):
-        there = link_poses(robot_with([joint(kind, "base", "end")]), at_values(kind, [v + 0.1 for v in own]))
-        expected = shut.b_from_frame @ there["end"]
-        assert np.abs(moved @ turn - expected).max() < TOLERANCE
+        there = link_poses(robot_with([mate]), {dof: value + 0.1 for dof, value in values.items()})["end"]
+        assert np.abs(moved @ turn - shut.b_from_frame @ there).max() < TOLERANCE
     assert "one_joint_x (0.2)" in losses(robot)["I-SDF-ZERO"]
 
 
-def at_values(kind, values):
-    return {dof.name: value for dof, value in zip(joint(kind, "base", "end").dofs, values, strict=True)}
-
-
 def test_limits_and_mimics_count_from_where_the_links_stand():
-    limits = {"one_joint": Limits(-1, 2)}
+    first = {"limits": {"one_joint": Limits(-1, 2)}, "dynamics": Dynamics(0.1, 0.2, None, 3, 4)}
     rows = [
-        joint("revolute", "base", "one", [0.5], limits=limits, dynamics=Dynamics(0.1, 0.2, None, 3, 4)),
+        joint("revolute", "base", "one", [0.5], **first),
         joint("revolute", "one", "two", [0.7], place=at(1, 0, 0)),
         joint("revolute", "base", "three", [1.5], place=at(0, 1, 0)),
     ]
@@ -144,18 +126,13 @@ def test_limits_and_mimics_count_from_where_the_links_stand():
     poses = link_poses(robot, {"one_joint": 0.5, "two_joint": 0.7})
     shut = loop("revolute", "two", "base", np.eye(4), poses["two"], [0.0])
     read = Sdf(sdf(replace(robot, loops=(shut,))))
-    one_joint, three = read.joints["one_joint"], read.joints["three_joint"]
-    number = {
-        key: float(one_joint.findtext(f"axis/limit/{key}"))
-        for key in ("lower", "upper", "effort", "velocity")
-    }
-    assert number == pytest.approx({"lower": -1.5, "upper": 1.5, "effort": 3, "velocity": 4})
-    assert [one_joint.findtext(f"axis/dynamics/{key}") for key in ("damping", "friction")] == ["0.1", "0.2"]
-    mimic = three.find("axis/mimic")
+    axis, mimic = read.joints["one_joint"].find("axis"), read.joints["three_joint"].find("axis/mimic")
+    numbers = [float(axis.findtext(f"limit/{key}")) for key in ("lower", "upper", "effort", "velocity")]
+    assert numbers == pytest.approx([-1.5, 1.5, 3, 4])
+    assert [axis.findtext(f"dynamics/{key}") for key in ("damping", "friction")] == ["0.1", "0.2"]
     # three stays at its own zero, and is 2 · 0.5 + 0.5 where one stands.
-    assert (mimic.get("joint"), mimic.findtext("multiplier"), mimic.findtext("offset")) == (
-        "one_joint", "2", "1.5",
-    )  # fmt: skip
+    said = mimic.get("joint"), mimic.findtext("multiplier"), mimic.findtext("offset")
+    assert said == ("one_joint", "2", "1.5")
     assert "three_joint" in losses(robot)["I-SDF-MIMIC"]
 
 
@@ -182,17 +159,16 @@ def test_fixed_base_is_held_by_the_world(fixed):
 
 
 def sensed():
-    box = Primitive("box", (0.2, 0.1, 0.1), frozen(np.eye(4)))
-    capsule = Primitive("capsule", (0.05, 0.2), frozen(at(0, 0, 0.1)))
     robot = robot_with(
         [
             joint("revolute", "base", "arm"),
             joint("ball", "arm", "hand", limits={"hand_joint": Limits(None, 1)}),
         ],
-        shapes={"arm": (box,), "hand": (capsule,)},
+        shapes={
+            "arm": (box(0.2, 0.1, 0.1),), "hand": (Primitive("capsule", (0.05, 0.2), frozen(at(0, 0, 0.1))),),
+        },
         frames=[Frame("eye", "hand", frozen(at(0, 0, 0.2)), "Eye")],
-    )
-    geometry = Geometry(tuple(shape for link in robot.links for shape in primitive_shapes(link)), {})
+    )  # fmt: skip
     sensors = {
         "imu": {"type": "imu", "frame": "arm", "noise": {"gyro": 0.01}},
         "wrist": {"type": "force_torque", "frame": "hand"},
@@ -201,7 +177,7 @@ def sensed():
         "look": {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]},
         "joints": "joint",
     }
-    return robot, geometry, {"sensors": sensors, "actuators": {"*": {"type": "motor"}}}
+    return robot, solid(robot), {"sensors": sensors, "actuators": {"*": {"type": "motor"}}}
 
 
 def test_sensors_are_those_of_sdf_and_look_where_ours_do():
@@ -229,16 +205,16 @@ def test_sensors_are_those_of_sdf_and_look_where_ours_do():
     assert said["W-BALL-CONE"].endswith(": hand_joint")
 
 
-def test_sdformats_own_tool_accepts_what_is_written(tmp_path):
+def test_sdformats_own_tool_accepts_the_files(tmp_path):
     rng = np.random.default_rng(0)
     rows = [joint(kind, "base", f"{kind}_link", place=pose(rng)) for kind in EVERY]
     rows.append(joint("revolute", "base", "last", name="base"))
     shut = loop("planar", "ball_link", "revolute_link", pose(rng), pose(rng))
-    with_each_kind = robot_with(
-        rows, loops=[shut], relations=[Relation("Gear", "base", "revolute_link_joint", 2.0, 0.0)]
-    )
+    gear = Relation("Gear", "base", "revolute_link_joint", 2.0, 0.0)
     robot, geometry, keys = sensed()
-    for text in (sdf(with_each_kind), sdf_export(robot, geometry, **keys).files["robot.sdf"]):
-        path = tmp_path / "robot.sdf"
-        path.write_bytes(text)
+    path = tmp_path / "robot.sdf"
+    for outcome in (
+        sdf_export(robot_with(rows, loops=[shut], relations=[gear])), sdf_export(robot, geometry, **keys),
+    ):  # fmt: skip
+        path.write_bytes(outcome.files["robot.sdf"])
         assert ign_sdf(path) == ""

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from linkwright.stages.formats.written import Written
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
-from linkwright.stages.robot.model.geometry import Exclude, Geometry
+from linkwright.stages.robot.model.geometry import Exclude
 from linkwright.stages.validate.read.sdf import check_file
-from tests.support.exports import exported
+from tests.support.building import solid
+from tests.support.exports import exported, messages_of
 from tests.support.robots import joint, robot_with
 from tests.support.sdf import Sdf
 from tests.support.touching import ball
@@ -18,24 +18,16 @@ DEFAULT = 0xFF
 """The mask of a collider that has none in the file (sdformat, `sdf::Contact`)."""
 
 
-def robot_of(counts, kind="revolute"):
+def robot_of(counts, excludes=(), kind="revolute"):
     """A base with so many links on it, each of so many balls."""
-    names = [f"l{index}" for index in range(len(counts))]
-    balls = {name: (ball(0.1),) * number for name, number in zip(["base", *names], [1, *counts], strict=True)}
-    robot = robot_with([joint(kind, "base", name) for name in names], shapes=balls)
-    shapes = tuple(shape for link in robot.links for shape in primitive_shapes(link))
-    return robot, Geometry(shapes, {}, self_contact=True)
-
-
-def with_excludes(geometry, excludes):
-    return Geometry(geometry.shapes, {}, self_contact=True, excludes=tuple(excludes))
+    balls = {"base": (ball(0.1),)} | {f"l{index}": (ball(0.1),) * count for index, count in enumerate(counts)}
+    robot = robot_with([joint(kind, "base", f"l{index}") for index in range(len(counts))], shapes=balls)
+    return robot, solid(robot, self_contact=True, excludes=tuple(excludes))
 
 
 def sdf_and_losses(robot, geometry):
     made = exported(robot, geometry, export={"sdf": {}})
-    return made.files["robot.sdf"], [
-        diagnostic for diagnostic in made.diagnostics if diagnostic.code == "I-SDF-SELF"
-    ]
+    return made.files["robot.sdf"], messages_of(made, "I-SDF-SELF")
 
 
 def masks(text):
@@ -84,14 +76,13 @@ def checked(folder, text, robot, geometry):
 def test_single_colliders_are_kept_apart_and_all_others_collide(seed, tmp_path):
     random = np.random.default_rng(seed)
     counts = random.integers(1, 4, random.integers(2, 9)).tolist()
-    robot, plain = robot_of(counts)
     excludes = [Exclude("base", "l0", "Adjacent", 0.0)]
     for (a, first_count), (b, other) in itertools.combinations(enumerate(counts), 2):
         if random.random() < 0.2:
             chosen = np.argwhere(random.random((first_count, other)) < 0.4)
             geoms = tuple((int(i), int(j)) for i, j in chosen) if len(chosen) < first_count * other else ()
             excludes.append(Exclude(f"l{a}", f"l{b}", "Always", 0.0, geoms))
-    geometry = with_excludes(plain, excludes)
+    robot, geometry = robot_of(counts, excludes)
     text, losses = sdf_and_losses(robot, geometry)
     assert not losses
     assert colliding(text) == wanted(robot, geometry)
@@ -99,45 +90,41 @@ def test_single_colliders_are_kept_apart_and_all_others_collide(seed, tmp_path):
     assert checked(tmp_path, text, robot, geometry) == []
 
 
-def test_a_robot_without_single_pairs_has_no_masks():
-    robot, plain = robot_of([1, 2])
-    text, losses = sdf_and_losses(robot, with_excludes(plain, [Exclude("base", "l0", "Adjacent", 0.0)]))
+def test_robot_without_single_pairs_has_no_masks():
+    robot, geometry = robot_of([1, 2], [Exclude("base", "l0", "Adjacent", 0.0)])
+    text, losses = sdf_and_losses(robot, geometry)
     assert b"collide_bitmask" not in text
-    assert colliding(text) == wanted(robot, plain)
+    assert colliding(text) == wanted(*robot_of([1, 2]))
     assert not losses
 
 
 def test_links_beside_a_joint_of_two_dofs_have_masks():
     """An SDF has a link between them, so Gazebo does not leave them out by itself."""
-    robot, plain = robot_of([1, 1], "cylindrical")
-    geometry = with_excludes(plain, [Exclude("base", f"l{n}", "Adjacent", 0.0) for n in range(2)])
-    text, _ = sdf_and_losses(robot, geometry)
+    excludes = [Exclude("base", f"l{n}", "Adjacent", 0.0) for n in range(2)]
+    text, _ = sdf_and_losses(*robot_of([1, 1], excludes, "cylindrical"))
     assert {tuple(sorted(name for name, _ in pair)) for pair in colliding(text)} == {("l0", "l1")}
 
 
 def test_pairs_beyond_the_bits_lose_contacts_by_name(tmp_path):
-    robot, plain = robot_of([1] * 24)
     random = np.random.default_rng(0)
     pairs = [pair for pair in itertools.combinations(range(24), 2) if random.random() < 0.3]
-    geometry = with_excludes(plain, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
-    text, losses = sdf_and_losses(robot, geometry)
+    robot, geometry = robot_of([1] * 24, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
+    text, (loss,) = sdf_and_losses(robot, geometry)
     missing = wanted(robot, geometry) - colliding(text)
     assert colliding(text) <= wanted(robot, geometry)
     assert missing
-    (loss,) = losses
-    named = {frozenset(words.split(" and ")) for words in loss.message.partition(": ")[2].split(", ")}
+    named = {frozenset(words.split(" and ")) for words in loss.partition(": ")[2].split(", ")}
     assert named == {frozenset(name for name, _ in pair) for pair in missing}
     assert checked(tmp_path, text, robot, geometry) == []
 
 
-def test_links_beyond_the_low_bits_end_all_contacts(tmp_path):
-    robot, plain = robot_of([1] * 9)
-    for number, collides in ((8, True), (9, False)):
-        pairs = itertools.combinations(range(number), 2)
-        geometry = with_excludes(plain, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
-        text, losses = sdf_and_losses(robot, geometry)
-        assert bool(colliding(text)) == collides != bool(losses)
-        assert checked(tmp_path, text, robot, geometry) == []
+@pytest.mark.parametrize(("number", "collides"), [(8, True), (9, False)])
+def test_links_beyond_the_low_bits_end_all_contacts(number, collides, tmp_path):
+    pairs = itertools.combinations(range(number), 2)
+    robot, geometry = robot_of([1] * 9, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
+    text, losses = sdf_and_losses(robot, geometry)
+    assert bool(colliding(text)) == collides != bool(losses)
+    assert checked(tmp_path, text, robot, geometry) == []
 
 
 @pytest.mark.parametrize(("old", "new", "message"), [
@@ -147,10 +134,9 @@ def test_links_beyond_the_low_bits_end_all_contacts(tmp_path):
     ("<collide_bitmask>2</", "<collide_bitmask>4</", "do not collide, but must"),
 ])  # fmt: skip
 def test_other_masks_than_the_robots_are_found(old, new, message, tmp_path):
-    robot, plain = robot_of([1, 1, 2])
     excludes = [Exclude("l0", "l1", "User", 0.0), Exclude("l0", "l2", "User", 0.0, ((0, 0),))]
     excludes.append(Exclude("l1", "l2", "User", 0.0, ((0, 1),)))
-    geometry = with_excludes(plain, excludes)
+    robot, geometry = robot_of([1, 1, 2], excludes)
     text, _ = sdf_and_losses(robot, geometry)
     assert old.encode() in text, text.decode()
     messages = checked(tmp_path, text.replace(old.encode(), new.encode(), 1), robot, geometry)

@@ -11,14 +11,13 @@ import trimesh
 
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Frame, Primitive, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.read.sdf import check_file
-from tests.support.building import NO_MESHES, plan_of
+from tests.support.building import NO_MESHES, plan_of, solid
 from tests.support.exports import exported, messages_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.sdf import Sdf, transform
@@ -42,8 +41,8 @@ def arm():
     return robot_with([joint("revolute", "base", "arm")])
 
 
-def link(exported, name):
-    (node,) = parse(exported.files["robot.sdf"]).xpath(f"//link[@name='{name}']")
+def link(outcome, name="arm"):
+    (node,) = parse(outcome.files["robot.sdf"]).xpath(f"//link[@name='{name}']")
     return node
 
 
@@ -71,17 +70,13 @@ def test_shapes_have_the_sizes_and_places_of_the_robot():
     sizes = {"box": (0.1, 0.2, 0.3), "sphere": (0.1,), "cylinder": (0.1, 0.4), "capsule": (0.05, 0.2)}
     shapes = tuple(Primitive(kind, size, frozen(at(0.1, 0, 0.2))) for kind, size in sizes.items())
     robot = robot_with([joint("revolute", "base", "arm")], shapes={"arm": shapes})
-    geometry = Geometry(
-        tuple(shape for each_link in robot.links for shape in primitive_shapes(each_link)), {}
-    )
+    node = link(sdf_export(robot, solid(robot)))
     for tag in ("visual", "collision"):
-        for node, (kind, size) in zip(
-            link(sdf_export(robot, geometry), "arm").findall(tag), sizes.items(), strict=True
-        ):
-            (made,) = node.find("geometry")
+        for shape, (kind, size) in zip(node.findall(tag), sizes.items(), strict=True):
+            (made,) = shape.find("geometry")
             numbers = [float(text) for field in made for text in field.text.split()]
             assert (made.tag, numbers) == (kind, list(size))
-            assert np.allclose(transform(node.findtext("pose")), at(0.1, 0, 0.2))
+            assert np.allclose(transform(shape.findtext("pose")), at(0.1, 0, 0.2))
 
 
 def test_friction_is_that_of_sliding_and_the_rest_is_reported():
@@ -118,18 +113,13 @@ def test_robot_json_has_the_names_and_zeros_of_the_sdf():
     names = json.loads(made.files["robot.json"])["sdf"]
     assert names["renamed"] == {"links": {}, "joints": {"arm": "arm_joint"}, "frames": {"hand": "hand_frame"}}
     # lid is on no loop, and so at its own zero; shut is closed at its own.
-    assert (set(names["zeros"]), names["zeros"]["arm"]) == ({"arm", "hand_joint"}, 0.5)
-    assert names["zeros"]["hand_joint"] == pytest.approx(turned)
-
-
-def test_robot_json_says_nothing_of_an_sdf_that_is_not_written():
-    made = exported(arm(), export={"urdf": {}})
-    assert "sdf" not in json.loads(made.files["robot.json"])
+    assert names["zeros"] == {"arm": 0.5, "hand_joint": pytest.approx(turned)}
+    assert "sdf" not in json.loads(exported(arm(), export={"urdf": {}}).files["robot.json"])
 
 
 @pytest.mark.parametrize(("frame", "reported"), [("arm", False), ("turned", False), ("tip", True)])
 @pytest.mark.parametrize("type_", ["force_torque", "torque", "force"])
-def test_a_torque_that_is_not_measured_at_its_joint_is_reported(frame, reported, type_):
+def test_torque_that_is_not_measured_at_its_joint_is_reported(frame, reported, type_):
     frames = [
         Frame("turned", "arm", frozen(transform("0 0 0 1 2 3")), "Turned"),
         Frame("tip", "arm", frozen(at(0, 0, 0.1)), "Tip"),

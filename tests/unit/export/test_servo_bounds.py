@@ -39,19 +39,17 @@ def lift(x, low=0.1, high=LENGTH):
     flat."""
     y = math.sqrt(LENGTH**2 - x**2)
     tilt = math.atan2(x, -y)
+    drive = {"name": "drive", "place": ALONG_X, "limits": {"drive": Limits(low, high)}}
     joints = [
-        joint(
-            "prismatic", "base", "block", [x], name="drive", place=ALONG_X,
-            limits={"drive": Limits(low, high)},
-        ),
+        joint("prismatic", "base", "block", [x], **drive),
         joint("revolute", "block", "bar", [tilt], name="pivot", place=ABOUT_Y),
         joint("prismatic", "base", "table", [y], name="table"),
-    ]  # fmt: skip
+    ]
     turned = np.linalg.inv(ABOUT_Y) @ ALONG_X @ ABOUT_Y
     angle = math.atan2(turned[1, 0], turned[0, 0]) + tilt
     end = loop("revolute", "bar", "table", at(LENGTH, 0, 0), ABOUT_Y, saved=[angle])
-    inertials = {"base": lump(90, 0, 0, 0), "block": lump(1, 0, 0, 0)}
-    inertials |= {"bar": lump(4, LENGTH / 2, 0, 0), "table": lump(20, 0, 0, 0)}
+    inertials = {name: lump(mass, 0, 0, 0) for name, mass in (("base", 90), ("block", 1), ("table", 20))}
+    inertials["bar"] = lump(4, LENGTH / 2, 0, 0)
     robot = robot_with(joints, loops=[end], inertials=inertials)
     assert gap(robot.loops[0], link_poses(robot, saved(robot))) < 1e-12
     return robot

@@ -2,9 +2,9 @@
 
 import pytest
 
-from linkwright.stages.export import export
 from linkwright.stages.robot.model.robot import Relation
 from tests.support.building import plan_of
+from tests.support.exports import exported
 from tests.support.robots import at, joint, robot_with
 from tests.support.ros2 import packed
 from tests.support.touching import box, geometry_of
@@ -17,8 +17,8 @@ POSITION = {"actuators": {"*": "position"}}
 
 
 def made(robot, folder, **keys):
-    plan = plan_of(**({"export": {"ros2": {}}, **POSITION} | keys))
-    return packed(export(robot, geometry_of(robot), plan).files, folder)
+    keys = {"export": {"ros2": {}}, **POSITION} | keys
+    return packed(exported(robot, geometry_of(robot), **keys).files, folder)
 
 
 def trajectories(package):

@@ -7,85 +7,48 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.export.losses import losses as of_format
 from linkwright.stages.export.urdf.lowering import lower
 from linkwright.stages.export.urdf.model import write_urdf
-from linkwright.stages.export.writer import Case
+from linkwright.stages.export.urdf.section import UrdfFormatSection
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
-from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Primitive, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
+from tests.support.building import NO_MESHES, solid
+from tests.support.engines import Pinocchio
+from tests.support.exports import exported, losses_of
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
+from tests.support.states import pose_of, state
 
-NO_SHAPES = Geometry((), {})
 SEVERAL = {
     "cylindrical": ("slide", "turn"), "planar": ("x", "y", "turn"), "pin_slot": ("slide", "turn"),
     "parallel": ("x", "y", "z", "turn"), "ball": ("x", "y", "z"),
 }  # fmt: skip
 
 
-def urdf(robot, geometry=NO_SHAPES):
-    return write_urdf(Written(robot, geometry=geometry))
+def urdf(robot, geometry=NO_MESHES, section=None):
+    return write_urdf(Written(robot, geometry=geometry), *([section] if section else []))
 
 
 def losses(robot):
-    written = Written(robot)
-    diagnostics = of_format(Case("urdf", written, written.as_urdf.robot, "robot.urdf", None))
-    return {diagnostic.code: diagnostic.message for diagnostic in diagnostics}
+    return losses_of(exported(robot, export={"urdf": {}}), "robot.urdf")
 
 
-def scalars(robot, q):
-    """Values of the URDF's joints of one degree of freedom; a ball as x, y and z turns by scipy."""
-    out = {}
-    for dof in robot.dofs:
-        value = q[dof.name]
-        if dof.kind == "ball":
-            w, *xyz = value
-            angles = Rotation.from_quat([*xyz, w]).as_euler("XYZ")
-            out |= {f"{dof.name}_{letter}": angle for letter, angle in zip("xyz", angles, strict=True)}
-        elif dof.kind != "free":
-            out[dof.name] = value
-    return out
-
-
-def floats(robot, q):
-    return {dof.name: q[dof.name] for dof in robot.dofs if dof.kind == "free"}
-
-
-def by_pinocchio(text, robot, q):
-    model = pin.buildModelFromXML(text.decode())
-    data = model.createData()
-    values = pin.neutral(model)
-    for name, value in scalars(robot, q).items():
-        turned = model.joints[model.getJointId(name)]
-        assert turned.nv == 1
-        coordinates = [value] if turned.nq == 1 else [math.cos(value), math.sin(value)]
-        values[turned.idx_q : turned.idx_q + turned.nq] = coordinates
-    for name, (x, y, z, qw, qx, qy, qz) in floats(robot, q).items():
-        start = model.joints[model.getJointId(name)].idx_q
-        values[start : start + 7] = [x, y, z, qx, qy, qz, qw]
-    pin.framesForwardKinematics(model, data, values)
-    bodies = [(i, f.name) for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY]
-    return {name: data.oMf[index].homogeneous for index, name in bodies}
-
-
-def by_mujoco(text, robot, q):
+def by_mujoco(text, q):
+    """The poses of all bodies, a ball as turns about x, y and z by scipy."""
+    values = {}
+    for name, value in q.items():
+        if isinstance(value, tuple):
+            angles = Rotation.from_quat(np.roll(value, -1)).as_euler("XYZ")
+            values |= {f"{name}_{axis}": angle for axis, angle in zip("xyz", angles, strict=True)}
+        else:
+            values[name] = value
     model = mujoco.MjModel.from_xml_string(text.decode())
-    data = mujoco.MjData(model)
-    for name, value in scalars(robot, q).items():
-        data.qpos[model.joint(name).qposadr[0]] = value
-    mujoco.mj_kinematics(model, data)
-    out = {}
-    for index in range(1, model.nbody):
-        out[model.body(index).name] = np.eye(4)
-        out[model.body(index).name][:3, :3] = data.xmat[index].reshape(3, 3)
-        out[model.body(index).name][:3, 3] = data.xpos[index]
-    return out
+    data = state(model, **values)
+    return {model.body(index).name: pose_of(data.body(index)) for index in range(model.nbody)}
 
 
 @pytest.mark.parametrize("root", ["base", "world"])
@@ -95,14 +58,11 @@ def test_links_are_where_the_robots_own_kinematics_have_them(kind, backwards, ro
     rng = np.random.default_rng(EVERY.index(kind))
     robot = robot_around(kind, rng, root, backwards)
     text = urdf(robot)
-    engines = [by_pinocchio] if kind == "free" else [by_pinocchio, by_mujoco]
     for _ in range(5):
         q = some_values(robot, rng)
         expected = link_poses(robot, q)
-        for engine in engines:
-            poses = engine(text, robot, q)
-            apart = {name: np.abs(poses[name] - expected[name]).max() for name in expected if name != "world"}
-            assert max(apart.values()) < 1e-12 * 8, (engine, apart)
+        for poses in [Pinocchio(text).poses(q), *([] if kind == "free" else [by_mujoco(text, q)])]:
+            assert max(np.abs(poses[name] - expected[name]).max() for name in expected) < 1e-12 * 8
 
 
 @pytest.mark.parametrize("fixed", [True, False])
@@ -123,28 +83,6 @@ def test_mass_is_the_robots_and_links_between_weigh_nothing(fixed):
     assert pin.computeTotalMass(there) == pytest.approx(total, abs=1e-10)
 
 
-def test_a_ball_moves_as_one_whatever_its_three_turns_are():
-    # Kinetic energy of a spinning ball joint, by its angular velocity and by Pinocchio's Euler rates.
-    rng = np.random.default_rng(4)
-    robot = robot_with([joint("ball", "base", "arm", place=pose(rng))])
-    model = pin.buildModelFromXML(urdf(robot).decode())
-    data = model.createData()
-    angles, rates = np.array([0.3, -0.8, 1.1]), np.array([0.5, -0.2, 0.9])
-    q = np.ravel([[math.cos(a), math.sin(a)] for a in angles])
-    energy = pin.computeKineticEnergy(model, data, q, rates)
-    step = 1e-6
-
-    def turned(t):
-        return Rotation.from_euler("XYZ", angles + t * rates).as_matrix()
-
-    spin = turned(0).T @ (turned(step) - turned(-step)) / (2 * step)
-    omega = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
-    body = robot.link("arm").inertial
-    across = np.cross(omega, body.com)
-    expected = (omega @ body.inertia @ omega + body.mass * across @ across) / 2
-    assert energy == pytest.approx(expected, rel=1e-8)
-
-
 @pytest.mark.parametrize(("kind", "suffixes"), SEVERAL.items())
 def test_lowered_joints_are_reported_in_the_order_of_the_chain(kind, suffixes):
     message = losses(robot_with([joint(kind, "base", "arm")]))["I-URDF-LOWERED"]
@@ -156,7 +94,7 @@ def test_lowered_joints_are_reported_in_the_order_of_the_chain(kind, suffixes):
         assert [part.child for part in item.joints] == [*item.between, "arm"]
 
 
-def test_names_that_are_made_up_take_no_other_ones():
+def test_generated_names_are_unique():
     rows = [
         joint("ball", "base", "hip", name="hip"), joint("revolute", "base", "hip_1", name="hip_x"),
         joint("cylindrical", "base", "rod", name="rod"), joint("planar", "base", "puck", name="hip_1"),
@@ -189,7 +127,7 @@ def test_limits_and_dynamics_are_each_dofs_own():
     assert message.endswith("arm_joint_y: lower, upper; arm_joint_turn: lower")
 
 
-def test_what_urdf_cannot_express_is_reported():
+def test_losses_of_a_urdf_are_reported():
     cone = joint("ball", "base", "arm", limits={"arm_joint": Limits(None, 0.5)})
     lost = losses(robot_with([cone, joint("ball", "arm", "hand"), joint("free", "base", "nut")]))
     assert list(lost) == ["I-URDF-LOWERED", "W-BALL-CONE", "I-URDF-FREE", "I-URDF-UNSET"]
@@ -199,7 +137,7 @@ def test_what_urdf_cannot_express_is_reported():
     assert losses(robot_with([joint("fixed", "base", "arm")])) == {}
 
 
-def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic():
+def test_relation_of_two_dofs_of_one_joint_is_a_mimic():
     relation = Relation("Screw", "nut_joint_slide", "nut_joint_turn", 0.002, 0.1)
     robot = robot_with([joint("cylindrical", "base", "nut")], relations=[relation])
     nodes = {node.get("name"): node for node in parse(urdf(robot)).findall("joint")}
@@ -212,23 +150,25 @@ def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic():
 
 
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loop_of_any_type_is_a_frame_on_either_side(kind):
+def test_loop_of_any_type_is_a_frame_on_either_side(kind):
     rng = np.random.default_rng(6)
     near, far = pose(rng), pose(rng)
     rows = [
-        joint("planar", "base", "one", place=pose(rng)),
-        joint("revolute", "base", "two", place=pose(rng)),
+        joint(type_, "base", name, place=pose(rng))
+        for type_, name in (("planar", "one"), ("revolute", "two"))
     ]
     robot = robot_with(rows, loops=[loop(kind, "one", "two", near, far, name="shut")])
     q = some_values(robot, rng)
-    poses, links = by_pinocchio(urdf(robot), robot, q), link_poses(robot, q)
+    poses, links = Pinocchio(urdf(robot)).poses(q), link_poses(robot, q)
     assert np.abs(poses["shut_a"] - links["one"] @ near).max() < 1e-11
     assert np.abs(poses["shut_b"] - links["two"] @ far).max() < 1e-11
     assert "shut" in losses(robot)["I-URDF-LOOP"]
 
 
-def test_root_called_world_is_mujocos_world():
-    text = urdf(robot_with([joint("revolute", "world", "arm", place=at(1, 2, 3))], root="world"))
+@pytest.mark.parametrize("frame_inertia", ["none", "tiny"])
+def test_root_called_world_is_mujocos_world(frame_inertia):
+    robot = robot_with([joint("revolute", "world", "arm", place=at(1, 2, 3))], root="world")
+    text = urdf(robot, section=UrdfFormatSection(frame_inertia=frame_inertia))
     assert len(parse(text).find("link[@name='world']")) == 0
     model = mujoco.MjModel.from_xml_string(text.decode())
     assert [model.body(index).name for index in range(model.nbody)] == ["world", "arm"]
@@ -238,7 +178,7 @@ def test_free_body_of_the_world_is_where_it_rests():
     rng = np.random.default_rng(11)
     rows = [joint("free", "world", "nut", place=pose(rng)), joint("revolute", "nut", "arm", place=pose(rng))]
     robot = robot_with(rows, root="world")
-    expected, actual = link_poses(robot), by_mujoco(urdf(robot), robot, {"arm_joint": 0.0, "nut_joint": ()})
+    expected, actual = link_poses(robot), by_mujoco(urdf(robot), {"arm_joint": 0.0})
     assert max(np.abs(actual[name] - expected[name]).max() for name in ("nut", "arm")) < 1e-11
 
 
@@ -248,11 +188,10 @@ PRIMITIVES = {"box": (0.1, 0.2, 0.3), "sphere": (0.1,), "cylinder": (0.1, 0.4), 
 
 
 @pytest.mark.parametrize(("kind", "size"), PRIMITIVES.items())
-def test_a_primitive_is_seen_and_collides_where_it_is(kind, size):
+def test_primitive_is_seen_and_collides_where_it_is(kind, size):
     shape = Primitive(kind, size, frozen(PLACE), RED)
     robot = robot_with([joint("revolute", "base", "arm")], shapes={"arm": (shape,)})
-    geometry = Geometry(tuple(primitive_shapes(robot.link("arm"))), {})
-    text = urdf(robot, geometry)
+    text = urdf(robot, solid(robot))
     link = parse(text).find("link[@name='arm']")
     tags = {"capsule": ["cylinder", "sphere", "sphere"]}.get(kind, [kind])
     for role in ("visual", "collision"):
@@ -297,10 +236,9 @@ def radius_along(shape, direction):
     return along * half + math.sqrt(radius**2 - half**2 * across**2)
 
 
-def test_a_primitive_that_is_only_seen_does_not_collide():
+def test_primitive_that_is_only_seen_does_not_collide():
     ghost = Primitive("box", (1.0, 1.0, 1.0), frozen(np.eye(4)), None, visual=True, collision=False)
     robot = robot_with([], shapes={"base": (ghost,)})
-    text = urdf(robot, Geometry(tuple(primitive_shapes(robot.root)), {}))
-    link = parse(text).find("link")
+    link = parse(urdf(robot, solid(robot))).find("link")
     assert [node.tag for node in link] == ["inertial", "visual"]
     assert primitive_volume(ghost.kind, ghost.size) == 1

@@ -21,9 +21,10 @@ from tests.fake_onshape.frames import frame
 from tests.support.building import plan_of, robot_of, sample_robot, write
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
-from tests.support.exports import messages_of
+from tests.support.exports import failing, messages_of
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, loop, robot_with
+from tests.support.states import pose_of
 
 
 def uneven(crank=0.1, coupler=0.24, rocker=0.2, base=0.25):
@@ -61,37 +62,28 @@ def parallelogram(**keys):
 
 
 def mimics(text):
+    """Follower → driver, multiplier and offset."""
+    numbers = "multiplier", "offset"
     return {
-        node.getparent().get("name"): (
-            node.get("joint"),
-            float(node.get("multiplier")),
-            float(node.get("offset", 0)),
-        )
+        node.getparent().get("name"): (node.get("joint"), *(float(node.get(key, 0)) for key in numbers))
         for node in parse(text).iterfind("joint/mimic")
     }
 
 
-def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path):
-    robot = sample_robot()
-    exported = write(robot, tmp_path)
-    couplings = mimics(exported.files["robot.urdf"])
-    assert couplings["rod_lower_pivot"] == ("shoulder", -1.0, 0.0)
-    assert couplings["elbow_plate_pivot"] == ("shoulder", -1.0, 0.0)
-    table = json.loads(exported.files["robot.json"])
-    (shut,) = [entry for entry in table["loops"] if entry["mimic"]]
-    assert shut["name"] == "rod_upper_pivot"
+def test_parallelogram_of_the_sample_is_minus_the_shoulder(tmp_path):
+    outcome = write(sample_robot(), tmp_path)
+    couplings = mimics(outcome.files["robot.urdf"])
+    assert couplings["rod_lower_pivot"] == couplings["elbow_plate_pivot"] == ("shoulder", -1.0, 0.0)
+    table = json.loads(outcome.files["robot.json"])
+    assert [entry["name"] for entry in table["loops"] if entry["mimic"]] == ["rod_upper_pivot"]
     coupling = table["couplings"][0]
     assert (coupling["driver"], coupling["multiplier"]) == ("shoulder", -1)
     assert (coupling["range"], coupling["error"]) == ([-0.5, 1.1], 0)
-    assert not [
-        check
-        for check in checked(tmp_path, robot, plan_of(), urdf_form=exported.written.urdf_form)
-        if check.fails
-    ]
+    assert failing(tmp_path, outcome, plan_of()) == []
 
 
 @pytest.mark.parametrize("kind", ["sample", "kit"])
-def test_mimics_put_all_where_the_closed_loop_of_the_mjcf_does(kind, tmp_path):
+def test_mimics_put_links_where_the_loop_of_the_mjcf_does(kind, tmp_path):
     """MuJoCo's own solver closes the loop of the MJCF; Pinocchio reads the URDF, whose followers follow."""
     robot = sample_robot() if kind == "sample" else parallelogram(limits=True)
     exported = write(robot, tmp_path)
@@ -134,12 +126,7 @@ def closed_by_mujoco(engine, q, followers):
         speed[columns] = step
         mujoco.mj_integratePos(model, data.qpos, speed, 1.0)
     mujoco.mj_kinematics(model, data)
-    poses = {}
-    for index in range(model.nbody):
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index]
-        poses[model.body(index).name] = pose
-    return poses
+    return {model.body(index).name: pose_of(data.body(index)) for index in range(model.nbody)}
 
 
 def test_mujoco_reads_the_mimics_of_the_urdf(tmp_path):
@@ -170,7 +157,7 @@ def test_nonlinear_coupling_has_the_best_line_and_its_error(tmp_path):
     assert [entry["mimic"] for entry in (*table["loops"], *table["couplings"])] == [False] * 3
 
 
-def test_a_line_that_is_off_by_a_millionth_is_not_exact():
+def test_line_that_is_off_by_a_millionth_is_not_exact():
     robot = parallelogram(limits=True)
     (shut,) = robot.loops
     bent = shut.a_from_frame @ frame((1e-6, 0, 0))
@@ -181,7 +168,7 @@ def test_a_line_that_is_off_by_a_millionth_is_not_exact():
     assert all(1e-9 < coupling.error < 0.1 for coupling in couplings)
 
 
-def test_a_parallelogram_that_lies_flat_is_not_certified():
+def test_parallelogram_that_lies_flat_is_not_certified():
     robot = parallelogram(value=0.0)
     assert linear_couplings(robot, home(robot)) == ()
     form = urdf_form(robot)
@@ -196,17 +183,14 @@ def test_first_dof_drives_followers_of_followers():
         assert {mimic.driver for mimic in form.mimics} == {first}
         assert {mimic.follower for mimic in form.mimics} == set(names) - {first}
         assert form.closed == tuple(loop.name for loop in robot.loops)
-    wheel = joint("revolute", "base", "wheel")
+    links = (*robot.links, replace(robot.links[0], name="wheel", parts=()))
+    joints = (*robot.joints, joint("revolute", "base", "wheel"))
     gear = Relation("gear", "wheel_joint", names[0], 2.0, 0.1)
-    geared = replace(
-        robot, links=(*robot.links, replace(robot.links[0], name="wheel", parts=())),
-        joints=(*robot.joints, wheel), relations=(gear,),
-    )  # fmt: skip
+    geared = replace(robot, links=links, joints=joints, relations=(gear,))
     form = urdf_form(geared, preferred_drivers=[names[1]])
-    line = next(mimic for mimic in form.mimics if mimic.follower == names[0])
-    relation = next(
-        row for row in Written(geared, urdf_form=form).as_urdf.robot.relations if row.name == "gear"
-    )
+    (line,) = (mimic for mimic in form.mimics if mimic.follower == names[0])
+    relations = {row.name: row for row in Written(geared, urdf_form=form).as_urdf.robot.relations}
+    relation = relations["gear"]
     assert (relation.driver, relation.multiplier) == (names[1], pytest.approx(2 * line.multiplier))
     assert relation.offset == pytest.approx(2 * line.offset + 0.1)
 
@@ -221,7 +205,7 @@ def test_certified_lines_close_the_loops():
         assert max(gap(loop, poses) for loop in robot.loops if loop.name in form.closed) < 1e-9
 
 
-def test_a_wrong_mimic_fails_the_check(tmp_path):
+def test_wrong_mimic_fails_the_check(tmp_path):
     robot = parallelogram(limits=True)
     exported = write(robot, tmp_path)
     first = exported.written.urdf_form.couplings[0]

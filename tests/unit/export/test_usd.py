@@ -22,13 +22,24 @@ from linkwright.stages.robot.model.robot import (
     Relation,
     frozen,
 )
-from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
-from tests.support.exports import exported
+from tests.support.exports import exported, losses_of
 from tests.support.places import PROJECT
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
+from tests.support.robots import (
+    EVERY,
+    LOOPS,
+    at,
+    joint,
+    loop,
+    pose,
+    robot_around,
+    robot_with,
+    shut_by,
+    some_values,
+)
 from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
 
 pytestmark = pytest.mark.usefixtures("no_thumbnails")
@@ -53,8 +64,7 @@ def read(folder, robot, geometry=NO_MESHES, **keys):
 
 
 def losses(robot, geometry=NO_MESHES, **keys):
-    diagnostics = usd_export(robot, geometry, export={"usd": {}}, **keys).diagnostics
-    return {problem.code: problem.message for problem in diagnostics if problem.where == "robot.usda"}
+    return losses_of(usd_export(robot, geometry, export={"usd": {}}, **keys), "robot.usda")
 
 
 def simple(q):
@@ -87,7 +97,7 @@ def test_links_are_where_kinematics_have_them_and_weigh_the_same(kind, backwards
 
 @pytest.mark.parametrize("axis", [(0, 0, -1), (0, -1, 0), (-1, 0, 0), (0, 1, 0), (0.6, 0, -0.8)])
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
-def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path):
+def test_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path):
     rng = np.random.default_rng(1)
     turned = joint(kind, "base", "one", place=pose(rng))
     robot = robot_with([replace(turned, dofs=(replace(turned.dofs[0], axis=frozen(np.array(axis, float))),))])
@@ -97,59 +107,41 @@ def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path):
         assert np.abs(usd.poses({"one_joint": q})["one"] - expected).max() < TOLERANCE
 
 
+KINDS = {"fixed": "Fixed", "revolute": "Revolute", "prismatic": "Prismatic", "ball": "Spherical"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("shifted", [False, True])
 @pytest.mark.parametrize("kind", LOOPS)
 def test_loop_of_any_type_is_a_joint_that_holds_as_its_mate(kind, shifted, tmp_path):
-    rng = np.random.default_rng(LOOPS.index(kind))
-    rows = [
-        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
-        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
-    ]
-    robot = robot_with(rows)
-    saved = {dof.name: dof.saved for dof in robot.dofs}
-    poses, near = link_poses(robot, saved), pose(rng)
-    origins = [at(0.1, 0.2, 0.3) for _ in range(3)] if shifted else []
-    mate = joint(kind, "base", "end", name="shut", origins=origins)
-    values = {
-        dof.name: (0.6, 0.0, 0.8, 0.0) if kind == "ball" else 0.3 * (index + 1)
-        for index, dof in enumerate(mate.dofs)
-    }
-    across = link_poses(robot_with([mate]), values)["end"]
-    dofs = tuple(replace(dof, saved=values[dof.name]) for dof in mate.dofs)
-    shut = replace(
-        loop(kind, "two", "base", near, poses["two"] @ near @ np.linalg.inv(across), name="shut"), dofs=dofs
-    )
-    assert "I-USD-LOOP" not in losses(robot)
-    robot = replace(robot, loops=(shut,))
-    assert losses(robot)["I-USD-LOOP"].endswith(": shut")
+    robot, mate, values = shut_by(kind, [at(0.1, 0.2, 0.3)] * 3 if shifted else [])
+    saved, (shut,) = saved_configuration(robot), robot.loops
+    assert "I-USD-LOOP" not in losses(replace(robot, loops=()))
+    lost = losses(robot)
+    assert lost["I-USD-LOOP"].endswith(": shut")
     usd = read(tmp_path, robot)
-    assert len(usd.loops) == 1
     (name,) = usd.loops
     chained = shifted and len(mate.dofs) > 1
-    prim = usd.loops[name].GetPrim()
-    kinds = {"fixed": "Fixed", "revolute": "Revolute", "prismatic": "Prismatic", "ball": "Spherical"}
-    assert chained or prim.GetTypeName() == f"Physics{kinds.get(kind, '')}Joint"
-    assert chained == ("shut" in losses(robot)["I-USD-LOWERED"])
+    assert chained or usd.loops[name].GetPrim().GetTypeName() == f"Physics{KINDS.get(kind, '')}Joint"
+    assert chained == ("shut" in lost["I-USD-LOWERED"])
     # As the bodies stand, and by the joints.
     assert usd.gap(name, usd.stands) < TOLERANCE
-    assert np.abs(usd.stands["two"] - poses["two"]).max() < TOLERANCE
-    by_joints = usd.poses({**simple(saved), **simple(values)})
+    assert np.abs(usd.stands["two"] - link_poses(robot, saved)["two"]).max() < TOLERANCE
+    by_joints = usd.poses(simple(saved | values))
     assert usd.gap(name, by_joints) < TOLERANCE
     # Every way in which the mate yields is free, and every other one is held.
-    if chained:
-        return
-    for free in (*mate.dofs, None):
+    for free in () if chained else (*values, None):
         moved = dict(values)
         if free is not None:
-            moved[free.name] = (0.0, 1.0, 0.0, 0.0) if kind == "ball" else moved[free.name] + 0.2
+            moved[free] = (0.0, 1.0, 0.0, 0.0) if kind == "ball" else moved[free] + 0.2
         end = shut.b_from_frame @ link_poses(robot_with([mate]), moved)["end"]
-        there = {**by_joints, "two": end @ np.linalg.inv(near)}
-        assert usd.gap(name, there) < TOLERANCE
-        off = end @ at(0.03, 0.03, 0.03) @ np.linalg.inv(near)
-        tilted = end @ pose(rng, 0.0) @ np.linalg.inv(near)
-        held = usd.gap(name, {**by_joints, "two": off}), usd.gap(name, {**by_joints, "two": tilted})
-        assert (held[0] > 1e-2, held[1] > 1e-2) == (kind != "parallel", kind != "ball")
+        tilt = pose(np.random.default_rng(1), 0.0)
+        gaps = [
+            usd.gap(name, {**by_joints, "two": end @ off @ np.linalg.inv(shut.a_from_frame)})
+            for off in (np.eye(4), at(0.03, 0.03, 0.03), tilt)
+        ]
+        assert gaps[0] < TOLERANCE
+        assert (gaps[1] > 1e-2, gaps[2] > 1e-2) == (kind != "parallel", kind != "ball")
 
 
 def test_limits_of_a_loop_are_those_of_its_joint(tmp_path):
@@ -205,7 +197,7 @@ def test_limits_dynamics_and_home_are_in_usds_units(tmp_path):
     assert losses(robot)["I-USD-BALL"].endswith("three_joint")
 
 
-def test_a_ball_without_a_cone_is_at_zero_where_it_is_at_home(tmp_path):
+def test_ball_without_a_cone_is_at_zero_where_it_is_at_home(tmp_path):
     turned = (0.8, 0.0, 0.6, 0.0)
     rows = [joint("ball", "base", "one", [turned]), joint("ball", "one", "two", [turned])]
     rows[1] = joint("ball", "one", "two", [turned], limits={"two_joint": Limits(None, 2)})
@@ -222,19 +214,17 @@ def test_a_ball_without_a_cone_is_at_zero_where_it_is_at_home(tmp_path):
 
 
 def test_actuators_are_drives_at_the_dof(tmp_path):
-    rows = [joint("revolute", "base", f"link_{n}", [0.4], name=f"joint_{n}") for n in range(6)]
-    rows[0] = joint("prismatic", "base", "link_0", [0.1], name="joint_0")
-    robot = replace(
-        robot_with(rows),
-        actuators=(
-            Actuator("slide", "joint_0", "position", kp=900, kv=30, force=(-7, 7), home=0.1),
-            Actuator("geared", "joint_1", "position", gear=-2, kp=50, kv=3, force=(-6, 6), home=-0.8),
-            Actuator("speed", "joint_2", "velocity", kv=8),
-            Actuator("motor", "joint_3", "motor", gear=3, control=(-2, 2), home=0.3),
-            Actuator("way", "joint_4", "intvelocity", kp=60, kv=2),
-            Actuator("brake", "joint_5", "damper", kv=1, control=(0, 1)),
-        ),
+    rows = [joint("prismatic", "base", "link_0", [0.1], name="joint_0")]
+    rows += [joint("revolute", "base", f"link_{n}", [0.4], name=f"joint_{n}") for n in range(1, 6)]
+    actuators = (
+        Actuator("slide", "joint_0", "position", kp=900, kv=30, force=(-7, 7), home=0.1),
+        Actuator("geared", "joint_1", "position", gear=-2, kp=50, kv=3, force=(-6, 6), home=-0.8),
+        Actuator("speed", "joint_2", "velocity", kv=8),
+        Actuator("motor", "joint_3", "motor", gear=3, control=(-2, 2), home=0.3),
+        Actuator("way", "joint_4", "intvelocity", kp=60, kv=2),
+        Actuator("brake", "joint_5", "damper", kv=1, control=(0, 1)),
     )
+    robot = replace(robot_with(rows), actuators=actuators)
     usd = read(tmp_path, robot)
     names = ("stiffness", "damping", "maxForce", "targetPosition")
 
@@ -271,63 +261,50 @@ def test_relations_are_mimics_of_newton_and_of_physx(tmp_path):
     schemas = usd.schemas(usd.joints["three_joint"].GetPrim())
     assert "NewtonMimicAPI" not in schemas
     # PhysX: q + gearing · reference + offset = 0, of degrees and metres.
-    for name, driver, expected in (
-        ("two_joint", math.degrees(0.2), math.degrees(0.9)),
-        ("three_joint", math.degrees(0.2), 0.15),
-    ):
+    for name, expected in (("two_joint", math.degrees(0.9)), ("three_joint", 0.15)):
         assert "PhysxMimicJointAPI:rotZ" in usd.schemas(usd.joints[name].GetPrim())
         assert usd.target(name, "physxMimicJoint:rotZ:referenceJoint") == "one_joint"
         gearing, offset = (usd.value(name, f"physxMimicJoint:rotZ:{key}") for key in ("gearing", "offset"))
-        assert expected + gearing * driver + offset == pytest.approx(0, abs=1e-5)
+        assert expected + gearing * math.degrees(0.2) + offset == pytest.approx(0, abs=1e-5)
     assert losses(robot)["I-USD-MIMIC"].endswith(": three_joint")
 
 
 @pytest.mark.parametrize("fixed", [True, False])
 def test_articulation_begins_at_the_base_and_is_at_home(fixed, tmp_path):
-    rng = np.random.default_rng(3)
-    robot = robot_with(
-        [
-            joint("cylindrical", "base", "one", [0.2, 0.4], place=pose(rng)),
-            joint("ball", "one", "two", [(0.8, 0.0, 0.6, 0.0)]),
-        ],
-        fixed=fixed,
-    )
-    robot = replace(robot, keyframes=(Keyframe("home", (("one_joint_turn", 0.7),)), Keyframe("up", ())))
+    rows = [
+        joint("cylindrical", "base", "one", [0.2, 0.4], place=pose(np.random.default_rng(3))),
+        joint("ball", "one", "two", [(0.8, 0.0, 0.6, 0.0)]),
+    ]
+    named = (Keyframe("home", (("one_joint_turn", 0.7),)), Keyframe("up", ()))
+    robot = replace(robot_with(rows, fixed=fixed), keyframes=named)
     usd = read(tmp_path, robot, scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}})
     world = from_parts(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
-    expected = {link: world @ pose for link, pose in link_poses(robot, home(robot)).items()}
-    for link, value in expected.items():
-        assert np.abs(usd.stands[link] - value).max() < 1e-9, link
-    by_joints = usd.poses(simple(home(robot)))
-    for body, value in by_joints.items():
+    for link, value in link_poses(robot, home(robot)).items():
+        assert np.abs(usd.stands[link] - world @ value).max() < 1e-9, link
+    for body, value in usd.poses(simple(home(robot))).items():
         assert np.abs(usd.stands[body] - value).max() < TOLERANCE, body
     (root,) = usd.roots
-    assert root.GetName() == ("root_joint" if fixed else "base")
-    assert root.GetTypeName() == ("PhysicsFixedJoint" if fixed else "Xform")
+    expected = ("root_joint", "PhysicsFixedJoint") if fixed else ("base", "Xform")
+    assert (root.GetName(), root.GetTypeName()) == expected
     assert "I-USD-KEYFRAME" in losses(robot)
     # As the parser of UsdPhysics, which Newton uses, has it.
     (articulation,) = parsed(usd.stage, "Articulation")
-    assert [
-        str(articulatedbody.name) for articulatedbody in articulation.articulatedBodies if articulatedbody
-    ] == sorted(usd.bodies)
-    assert {articulatedjoint.name for articulatedjoint in articulation.articulatedJoints} == set(usd.joints)
+    assert [str(body.name) for body in articulation.articulatedBodies if body] == sorted(usd.bodies)
+    assert {row.name for row in articulation.articulatedJoints} == set(usd.joints)
 
 
 def test_bodies_of_a_plate_and_of_nothing_have_valid_masses(tmp_path):
     plate = Inertial(0.3, frozen(np.zeros(3)), frozen(np.diag([0.1, 0.2, 0.3]) / 3))
     nothing = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
-    robot = robot_with(
-        [joint("revolute", "base", "plate"), joint("fixed", "plate", "tip")],
-        inertials={"plate": plate},
-        given={"tip": nothing},
-    )
+    rows = [joint("revolute", "base", "plate"), joint("fixed", "plate", "tip")]
+    robot = robot_with(rows, inertials={"plate": plate}, given={"tip": nothing})
     usd = read(tmp_path, robot)
     moments = pxr.UsdPhysics.MassAPI(usd.bodies["plate"]).GetDiagonalInertiaAttr().Get()
     assert np.float32(moments[0]) + np.float32(moments[1]) >= np.float32(moments[2])
     assert usd.mass("tip")[0] == pytest.approx(1e-12)
 
 
-def test_a_missing_package_is_told_before_anything_is_built(monkeypatch):
+def test_missing_package_is_told_before_anything_is_built(monkeypatch):
     plan = plan_of(export={"usd": {}})
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pxr" else find(name))
@@ -338,7 +315,7 @@ def test_a_missing_package_is_told_before_anything_is_built(monkeypatch):
     assert plan_problems(plan_of()) == []
 
 
-def test_the_commands_of_the_page_run(tmp_path, monkeypatch, capsys):
+def test_commands_of_the_page_run(tmp_path, monkeypatch, capsys):
     page = (PROJECT / "pipeline/reference/formats/USD.md").read_text()
     (code,) = re.findall(r"<!-- test -->\n```py\n(.*?)```", page, re.DOTALL)
     limits = {"elbow": Limits(-1, 2)}

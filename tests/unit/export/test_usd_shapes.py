@@ -7,74 +7,70 @@ import numpy as np
 import pytest
 
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
 from linkwright.stages.mesh.files.stl import write as write_stl
 from linkwright.stages.robot.model.geom_form import ContactProperties
-from linkwright.stages.robot.model.geometry import Exclude, Geometry, Shape
+from linkwright.stages.robot.model.geometry import Exclude, Shape
 from linkwright.stages.robot.model.robot import Frame, Primitive, frozen
+from tests.support.building import solid
 from tests.support.robots import at, joint, robot_with
+from tests.support.touching import ball, box
 from tests.support.usd import Usd, complaints, pxr, stage_of
 from tests.unit.export.test_usd import losses, read, usd_export
+from tests.unit.export.test_usd_simready import FACES
 
 pytestmark = pytest.mark.usefixtures("no_thumbnails")
 
 
 def shaped():
     kinds = {
-        "box": Primitive("box", (0.2, 0.1, 0.3), frozen(at(0, 0, 0.1)), (1.0, 0.5, 0.0, 1.0)),
-        "ball": Primitive("sphere", (0.05,), frozen(np.eye(4))),
+        "box": replace(box(0.2, 0.1, 0.3, at(0, 0, 0.1)), colour=(1.0, 0.5, 0.0, 1.0)),
+        "ball": ball(0.05),
         "rod": Primitive("cylinder", (0.05, 0.2), frozen(np.eye(4))),
         "pill": Primitive("capsule", (0.05, 0.2), frozen(at(0, 0.1, 0))),
     }
-    rows = [joint("revolute", "base", name) for name in kinds]
     robot = robot_with(
-        rows,
+        [joint("revolute", "base", name) for name in kinds],
         shapes={name: (kind,) for name, kind in kinds.items()},
         frames=[Frame("eye", "pill", frozen(at(0, 0, 0.2)), "Eye")],
     )
-    shapes = [shape for link in robot.links for shape in primitive_shapes(link)]
-    rough = ContactProperties(friction=(1.2, 0.01, 0.002), condim=6)
-    shapes = [
-        replace(shape, contact=rough) if shape.link == "ball" and shape.role == "collision" else shape
-        for shape in shapes
-    ]
+    rough = {("ball", "collision"): ContactProperties(friction=(1.2, 0.01, 0.002), condim=6)}
     excludes = (
         Exclude("base", "box", "Adjacent", 0.0),
         Exclude("box", "rod", "User", 0.0),
         Exclude("rod", "pill", "Always", 0.0, ((0, 0),)),
     )
-    return robot, Geometry(tuple(shapes), {}, self_contact=True, excludes=excludes)
+    geometry = solid(robot, self_contact=True, excludes=excludes)
+    shapes = (replace(shape, contact=rough.get((shape.link, shape.role))) for shape in geometry.shapes)
+    return robot, replace(geometry, shapes=tuple(shapes))
+
+
+SIZES = {
+    "box": {"size": 1, "xformOp:scale": (0.2, 0.1, 0.3), "xformOp:translate": (0, 0, 0.1)},
+    "ball": {"radius": 0.05},
+    "rod": {"radius": 0.05, "height": 0.2, "axis": "Z"},
+    "pill": {"radius": 0.05, "height": 0.2, "axis": "Z", "xformOp:translate": (0, 0.1, 0)},
+}
+
+
+def material_of(prim, purpose=""):
+    material, _ = pxr.UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(*([purpose] if purpose else []))
+    return material
 
 
 def test_shapes_collide_as_they_are_and_look_as_they_do(tmp_path):
     robot, geometry = shaped()
     usd = read(tmp_path, robot, geometry)
-    get = usd.stage.GetPrimAtPath
-    path = str(usd.root.GetPath())
-    sizes = {
-        name: {key: get(f"{path}/{name}/collisions/collision_1").GetAttribute(key).Get() for key in keys}
-        for name, keys in {
-            "box": ["size", "xformOp:scale", "xformOp:translate"],
-            "ball": ["radius"],
-            "rod": ["radius", "height", "axis"],
-            "pill": ["radius", "height", "axis", "xformOp:translate"],
-        }.items()
-    }
-    assert sizes == {
-        "box": {"size": 1, "xformOp:scale": (0.2, 0.1, 0.3), "xformOp:translate": (0, 0, 0.1)},
-        "ball": {"radius": 0.05},
-        "rod": {"radius": 0.05, "height": 0.2, "axis": "Z"},
-        "pill": {"radius": 0.05, "height": 0.2, "axis": "Z", "xformOp:translate": (0, 0.1, 0)},
-    }
-    box = get(f"{path}/box/collisions/collision_1")
-    assert pxr.UsdGeom.Imageable(box).ComputePurpose() == "guide"
-    rough, _ = pxr.UsdShade.MaterialBindingAPI(
-        get(f"{path}/ball/collisions/collision_1")
-    ).ComputeBoundMaterial("physics")
-    names = ("physics:staticFriction", "physics:dynamicFriction", "newton:torsionalFriction")
-    values = [rough.GetPrim().GetAttribute(name).Get() for name in (*names, "newton:rollingFriction")]
+    get, path = usd.stage.GetPrimAtPath, str(usd.root.GetPath())
+    colliders = {name: get(f"{path}/{name}/collisions/collision_1") for name in SIZES}
+    for name, sizes in SIZES.items():
+        assert {key: colliders[name].GetAttribute(key).Get() for key in sizes} == sizes
+    assert pxr.UsdGeom.Imageable(colliders["box"]).ComputePurpose() == "guide"
+    rough = material_of(colliders["ball"], "physics").GetPrim()
+    names = ("physics:staticFriction", "physics:dynamicFriction")
+    names += ("newton:torsionalFriction", "newton:rollingFriction")
+    values = [rough.GetAttribute(name).Get() for name in names]
     assert values == pytest.approx([1.2, 1.2, 0.01, 0.002])
-    seen, _ = pxr.UsdShade.MaterialBindingAPI(get(f"{path}/box/visuals/visual_1")).ComputeBoundMaterial()
+    seen = material_of(get(f"{path}/box/visuals/visual_1"))
     colour = seen.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get()
     # sRGB's 0.5 is 0.214 of the light.
     assert colour == pytest.approx((1.0, 0.21404114, 0.0))
@@ -91,18 +87,14 @@ def test_shapes_collide_as_they_are_and_look_as_they_do(tmp_path):
 
 def test_frames_and_cameras_are_where_they_were(tmp_path):
     robot, geometry = shaped()
-    sensors = {
-        "look": {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]},
-        "imu": {"type": "imu", "frame": "pill"},
-    }
+    look = {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]}
+    sensors = {"look": look, "imu": {"type": "imu", "frame": "pill"}}
     usd = read(tmp_path, robot, geometry, sensors=sensors)
-    prim = usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/look")
-    cache = pxr.UsdGeom.XformCache()
-    eye = np.array(
-        cache.GetLocalToWorldTransform(usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/eye"))
-    ).T
+    pill = f"{usd.root.GetPath()}/pill"
+    frame = usd.stage.GetPrimAtPath(f"{pill}/eye")
+    eye = np.array(pxr.UsdGeom.XformCache().GetLocalToWorldTransform(frame)).T
     assert np.abs(eye - usd.stands["pill"] @ at(0, 0, 0.2)).max() < 1e-9
-    camera = pxr.UsdGeom.Camera(prim).GetCamera(0)
+    camera = pxr.UsdGeom.Camera(usd.stage.GetPrimAtPath(f"{pill}/look")).GetCamera(0)
     assert camera.GetFieldOfView(camera.FOVVertical) == pytest.approx(60, abs=1e-4)
     assert camera.aspectRatio == pytest.approx(320 / 240)
     looks = camera.frustum.ComputeViewDirection(), camera.frustum.ComputeUpVector()
@@ -112,7 +104,7 @@ def test_frames_and_cameras_are_where_they_were(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["2 arms", "räder@home", "def", "world"])
-def test_a_robot_of_any_name_is_a_stage(name, tmp_path):
+def test_robot_of_any_name_is_a_stage(name, tmp_path):
     robot, geometry = shaped()
     robot = replace(robot, name=name)
     stage = stage_of(usd_export(robot, with_mesh(geometry)).files, tmp_path, name)
@@ -124,17 +116,14 @@ def test_a_robot_of_any_name_is_a_stage(name, tmp_path):
 
 def with_mesh(geometry):
     """With a tetrahedron on the base, seen twice."""
-    corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
-    surface = Surface(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
     seen = Shape("base", "visual", "base.stl", (1.0, 0.0, 0.0, 0.5), 4, 4, 0.02, 1e-4)
     hit = replace(seen, role="collision", colour=None)
-    return replace(
-        geometry, shapes=(hit, seen, seen, *geometry.shapes), files={"base.stl": write_stl(surface)}
-    )
+    files = {"base.stl": write_stl(Surface(0.1 * np.eye(4, 3, -1), FACES))}
+    return replace(geometry, shapes=(hit, seen, seen, *geometry.shapes), files=files)
 
 
 @pytest.mark.parametrize("encoding", ["binary", "text"])
-def test_a_mesh_is_there_once_and_seen_as_an_instance(encoding, tmp_path):
+def test_mesh_is_there_once_and_seen_as_an_instance(encoding, tmp_path):
     robot, geometry = shaped()
     keys = {"export": {"usd": {"geometry": encoding}, "urdf": {}}}
     files = usd_export(robot, with_mesh(geometry), **keys).files
@@ -154,7 +143,7 @@ def test_a_mesh_is_there_once_and_seen_as_an_instance(encoding, tmp_path):
     assert (np.einsum("ij,ij->i", normals, outwards) > 0).all()
 
 
-def test_an_image_is_the_texture_of_what_has_its_coordinates(tmp_path):
+def test_image_is_the_texture_of_shapes_with_coordinates(tmp_path):
     robot, geometry = shaped()
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
     seen = Shape("base", "visual", "label.obj", (1.0, 1.0, 1.0, 1.0), 3, 1, 0.5, 0.0, texture="label.png")
@@ -168,6 +157,5 @@ def test_an_image_is_the_texture_of_what_has_its_coordinates(tmp_path):
     primvar = pxr.UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
     assert primvar.GetInterpolation() == "faceVarying"
     assert np.array(primvar.Get()).tolist() == [[0, 0], [1, 0], [0, 1]]
-    material, _ = pxr.UsdShade.MaterialBindingAPI(instance).ComputeBoundMaterial()
-    image = stage.GetPrimAtPath(f"{material.GetPath()}/image").GetAttribute("inputs:file").Get()
+    image = stage.GetPrimAtPath(f"{material_of(instance).GetPath()}/image").GetAttribute("inputs:file").Get()
     assert Path(image.resolvedPath).name == "label.png"

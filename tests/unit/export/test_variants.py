@@ -21,6 +21,7 @@ from linkwright.stages.formats.npz import NotNpz, arrays_of, npz
 from linkwright.stages.robot.errors import AssemblyError
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Geometry, Shape
+from linkwright.stages.robot.model.poses import from_parts, quat_from_rotation, rotation_from_quat
 from linkwright.stages.robot.model.robot import Dynamics, Inertial, Primitive, frozen
 from tests.support.exports import compiled, exported
 from tests.support.places import PROJECT
@@ -47,22 +48,26 @@ def hinges(**more):
     return robot_with(joints, inertials=dict.fromkeys(("base", "one", "two"), plain), **more)
 
 
-def varied(robot, ranges="auto", *, n=64, seed=7, **keys):
-    outcome = exported(robot, variants={"n": n, "seed": seed, "ranges": ranges}, **keys)
+def arrays_in(outcome):
     return dict(np.load(io.BytesIO(outcome.files["variants.npz"])))
+
+
+def varied(robot, ranges="auto", *, n=64, seed=7, **keys):
+    return arrays_in(exported(robot, variants={"n": n, "seed": seed, "ranges": ranges}, **keys))
+
+
+def codes_at(outcome, place):
+    return [(note.code, note.where) for note in outcome.diagnostics if note.where.startswith(place)]
 
 
 def shares_in(robot, **keys):
     """By quantity of robot.json that varies: where it comes from, and by how much it varies."""
-    files = exported(robot, variants={"n": 2}, **keys).files
+    files = exported(robot, **({"variants": {"n": 2}} | keys)).files
     rows = json.loads(files["robot.json"])["variants"]["varied"]
     return {row["quantity"]: (row["origin"], row["share"]) for row in rows}
 
 
-# What is drawn.
-
-
-def test_a_draw_is_the_hash_of_its_seed_quantity_and_variant():
+def test_draw_is_the_hash_of_its_seed_quantity_and_variant():
     columns = draws(7, "links.arm.mass", 3, 2)
     for variant in range(3):
         text = f"7\nlinks.arm.mass\n{variant}".encode()
@@ -83,55 +88,42 @@ def test_draws_are_spread_evenly():
     assert np.abs(np.corrcoef(columns[0][1:], columns[0][:-1])[0, 1]) < 0.03
 
 
-# Bodies stay solid.
-
-
 def pseudo(mass, com, moments, quat):
     """The pseudo-inertia (4, 4) of a body."""
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, np.asarray(quat, float))
-    axes = turn.reshape(3, 3)
+    axes = rotation_from_quat(np.asarray(quat, float))
     inertia = axes @ np.diag(moments) @ axes.T
     spread = np.trace(inertia) / 2 * np.eye(3) - inertia + mass * np.outer(com, com)
     first = mass * np.asarray(com)
     return np.block([[spread, first[:, None]], [first[None, :], np.array([[mass]])]])
 
 
-def a_body(rng, flat):
+def solid_body(rng, flat):
     """Mass, centre, moments and axes of eight masses; with `flat` of its extents 0."""
     points = rng.normal(size=(8, 3)) * np.append(rng.uniform(0.01, 1, 3 - flat), [0.0] * flat)
     masses = rng.uniform(0.1, 1, 8)
     com = masses @ points / masses.sum()
-    away = points - com
-    spread = (away.T * masses) @ away
-    inertia = np.trace(spread) * np.eye(3) - spread
-    moments, axes = np.linalg.eigh(inertia)
+    spread = ((points - com).T * masses) @ (points - com)
+    moments, axes = np.linalg.eigh(np.trace(spread) * np.eye(3) - spread)
     axes[:, 2] *= np.linalg.det(axes)
-    quat = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, axes.ravel())
-    return float(masses.sum()), com, moments, quat
+    return float(masses.sum()), com, moments, quat_from_rotation(axes)
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 1), st.sampled_from([0.01, 0.3, 0.95]))
-def test_a_moved_body_is_a_congruence_of_the_body(seed, flat, share):
+def test_moved_body_is_a_congruence_of_the_body(seed, flat, share):
     rng = np.random.default_rng(seed)
-    mass, com, moments, quat = a_body(rng, flat)
-    n = 16
+    (mass, com, moments, quat), n = solid_body(rng, flat), 16
     factor, shift = rng.uniform(1 - share, 1 + share, n), share * rng.uniform(-1, 1, (3, n))
     turned = np.tril(rng.uniform(-1, 1, (n, 3, 3)) * share) + np.eye(3)
     a = radii([*map(float, moments)], [*map(float, quat)], mass)
     rows = [[turned[:, i, j] for j in range(3)] for i in range(3)]
     bodies = moved_inertials(mass * factor, [*map(float, com)], a, [*shift], rows)
+    lever = np.array(a)
     for i in range(n):
         own = [[column[i] for column in columns] for columns in (bodies.com, bodies.moments, bodies.quat)]
         # Every mass at c + A y is moved to c + A (t + T y).
-        lever = np.array(a)
-        inverse = np.linalg.pinv(lever)
-        linear = lever @ turned[i] @ inverse
-        move = np.eye(4)
-        move[:3, :3] = linear
-        move[:3, 3] = com + lever @ shift[:, i] - linear @ com
+        linear = lever @ turned[i] @ np.linalg.pinv(lever)
+        move = from_parts(linear, com + lever @ shift[:, i] - linear @ com)
         expected = factor[i] * move @ pseudo(mass, com, moments, quat) @ move.T
         got = pseudo(bodies.mass[i], *own)
         assert np.allclose(got, expected, atol=1e-9 * np.abs(expected).max())
@@ -142,7 +134,7 @@ def test_a_moved_body_is_a_congruence_of_the_body(seed, flat, share):
         assert largest <= (middle + smallest) * (1 + 1e-12)
 
 
-def test_a_robots_variants_are_solid_and_near_it():
+def test_variants_of_a_robot_are_solid_and_near_it():
     robot, share = hinges(), 0.3
     nominal, arrays = compiled(exported(robot)), varied(robot, {"links.*": share}, n=200)
     mass = arrays["body_mass"][:, 1:] / nominal.body_mass[1:]
@@ -166,32 +158,28 @@ def test_mass_alone_is_a_density():
     assert np.allclose(arrays["body_inertia"][:, 1:], nominal.body_inertia[1:] * factor[..., None])
 
 
-# What varies.
+@pytest.mark.parametrize(("kind", "gains", "column", "back"), [
+    ("position", "kp", 0, 1), ("velocity", "kv", 0, 2), ("motor", "gain", 0, None), ("damper", "kv", 2, None),
+])  # fmt: skip
+def test_gains_move_together(kind, gains, column, back):
+    """`column` of the gains varies, and that of the bias alike."""
+    drives = {"*": {"type": kind, "ctrlrange": [0, 1]} if kind == "damper" else kind}
+    nominal = compiled(exported(hinges(), actuators=drives))
+    arrays = varied(hinges(), {f"actuators.*.{gains}": 0.4}, actuators=drives)
+    gain = arrays["actuator_gainprm"]
+    factor = gain[:, :, column] / nominal.actuator_gainprm[:, column]
+    assert (abs(factor - 1) <= 0.4).all()
+    assert factor.std() > 0.1
+    if back is not None:
+        assert (arrays["actuator_biasprm"][:, :, back] == -gain[:, :, 0]).all()
+    others = np.delete(np.arange(gain.shape[2]), column)
+    assert (gain[:, :, others] == nominal.actuator_gainprm[:, others]).all()
 
 
-def test_gains_move_together():
-    robot = hinges()
-    for kind, gains in (("position", "kp"), ("velocity", "kv"), ("motor", "gain"), ("damper", "kv")):
-        drives = {"*": {"type": kind, "ctrlrange": [0, 1]} if kind == "damper" else kind}
-        nominal = compiled(exported(robot, actuators=drives))
-        arrays = varied(robot, {f"actuators.*.{gains}": 0.4}, actuators=drives)
-        gain, bias = (
-            arrays["actuator_gainprm"],
-            arrays.get("actuator_biasprm", nominal.actuator_biasprm[None]),
-        )
-        which = 2 if kind == "damper" else 0
-        factor = gain[:, :, which] / nominal.actuator_gainprm[:, which]
-        assert (abs(factor - 1) <= 0.4).all()
-        assert factor.std() > 0.1
-        if kind in ("position", "velocity"):
-            back = 1 if kind == "position" else 2
-            assert (bias[:, :, back] == -gain[:, :, 0]).all()
-        same = np.ones(gain.shape[2], bool)
-        same[which] = False
-        assert (gain[:, :, same] == nominal.actuator_gainprm[:, same]).all()
-    damping = varied(robot, {"actuators.*.kv": 0.4}, actuators={"*": "position"})
+def test_damping_of_a_servo_moves_alone():
+    damping = varied(hinges(), {"actuators.*.kv": 0.4}, actuators={"*": "position"})
     assert set(damping["fields"]) == {"actuator_biasprm"}
-    servos = compiled(exported(robot, actuators={"*": "position"}))
+    servos = compiled(exported(hinges(), actuators={"*": "position"}))
     assert (damping["actuator_biasprm"][:, :, 1] == servos.actuator_biasprm[:, 1]).all()
 
 
@@ -208,7 +196,7 @@ def test_friction_is_that_of_all_colliders_of_a_link():
     balls = [ball("one"), ball("one"), ball("two", ContactProperties(friction=(0.5, 0.01, 0.001)))]
     geometry = Geometry(tuple(balls), {})
     result = exported(hinges(), geometry, variants={"n": 50})
-    arrays = dict(np.load(io.BytesIO(result.files["variants.npz"])))
+    arrays = arrays_in(result)
     model = compiled(result)
     factor = arrays["geom_friction"] / model.geom_friction
     assert np.allclose(factor, factor[:, :, :1])
@@ -218,24 +206,20 @@ def test_friction_is_that_of_all_colliders_of_a_link():
 
 
 @pytest.mark.parametrize("kind", EVERY)
-def test_any_kind_of_joint(kind):
-    root = "base"
-    robot = robot_with([joint(kind, root, "one", dynamics=MOVED)], root=root)
+def test_joints_of_any_type_vary(kind):
+    robot = robot_with([joint(kind, "base", "one", dynamics=MOVED)])
     nominal, arrays = compiled(exported(robot)), varied(robot, "auto", n=4)
     assert arrays["joint_names"].tolist() == [nominal.joint(k).name for k in range(nominal.njnt)]
     assert arrays["body_names"].tolist() == [nominal.body(k).name for k in range(nominal.nbody)]
-    names = shares_in(robot)
-    free = nominal.jnt_type == mujoco.mjtJoint.mjJNT_FREE
-    assert {name.split(".")[1] for name in names if name.startswith("joints.")} == {
-        nominal.joint(k).name for k in np.flatnonzero(~free)
-    }
-    for field in ("dof_damping", "dof_armature"):
-        values, before = arrays.get(field), getattr(nominal, field)
-        if values is not None:
-            assert ((values != before).any(axis=0) == (before != 0)).all()
+    held = np.flatnonzero(nominal.jnt_type != mujoco.mjtJoint.mjJNT_FREE)
+    names = {name.split(".")[1] for name in shares_in(robot) if name.startswith("joints.")}
+    assert names == {nominal.joint(k).name for k in held}
+    for field in {"dof_damping", "dof_armature"} & arrays.keys():
+        before = getattr(nominal, field)
+        assert ((arrays[field] != before).any(axis=0) == (before != 0)).all()
 
 
-def test_the_body_of_a_loops_joint_weighs_its_share_of_the_link():
+def test_body_of_a_loops_joint_weighs_its_share_of_the_link():
     robot = robot_with(
         [joint("revolute", "base", "a"), joint("revolute", "base", "b", place=at(0.2, 0, 0))],
         loops=[loop("prismatic", "a", "b", at(0.1, 0, 0), at(-0.1, 0, 0))],
@@ -248,44 +232,39 @@ def test_the_body_of_a_loops_joint_weighs_its_share_of_the_link():
     assert not any("carrier" in name for name in shares_in(robot))
 
 
-# By how much.
+SHARES = {
+    "links.one.mass": ("source", 0.1), "links.two.mass": ("given", 0.1),
+    "joints.one_joint.damping": ("source", 0.1), "joints.two_joint.armature": ("measured", 0.05),
+    "joints.two_joint.damping": ("datasheet", 0.2), "actuators.two_joint.kp": ("datasheet", 0.2),
+    "actuators.two_joint.kv": ("estimated", 0.3), "actuators.one_joint.kp": ("estimated", 0.3),
+}  # fmt: skip
 
 
 def test_auto_is_by_where_a_value_comes_from():
-    motor = {
-        "title": "Mine",
-        "values": {
-            "armature": {"value": 0.02, "source": "a; bench (2 May)", "kind": "measured"},
-            "damping": {"value": 0.1, "source": "fit", "kind": "identified"},
-            "back_emf": {"value": 0.1, "source": "page", "kind": "datasheet"},
-            "kp": {"value": 20, "source": "page", "kind": "datasheet"},
-        },
-    }
+    values = {
+        "armature": (0.02, "a; bench (2 May)", "measured"), "damping": (0.1, "fit", "identified"),
+        "back_emf": (0.1, "page", "datasheet"), "kp": (20, "page", "datasheet"),
+    }  # fmt: skip
+    keys = ("value", "source", "kind")
+    table = {name: dict(zip(keys, row, strict=True)) for name, row in values.items()}
+    given = {"two": Inertial(1.0, frozen([0, 0, 0.1]), frozen(np.diag([0.01, 0.01, 0.01])))}
     shares = shares_in(
-        hinges(given={"two": Inertial(1.0, frozen([0, 0, 0.1]), frozen(np.diag([0.01, 0.01, 0.01])))}),
-        motors={"mine": motor},
+        hinges(given=given),
+        motors={"mine": {"title": "Mine", "values": table}},
         actuators={"two_joint": {"motor": "mine"}, "one_joint": "position"},
     )
-    assert shares["links.one.mass"] == ("source", 0.1)
-    assert shares["links.two.mass"] == ("given", 0.1)
-    assert shares["joints.one_joint.damping"] == ("source", 0.1)
-    assert shares["joints.two_joint.armature"] == ("measured", 0.05)
-    assert shares["joints.two_joint.damping"] == ("datasheet", 0.2)
-    assert shares["actuators.two_joint.kp"] == ("datasheet", 0.2)
-    assert shares["actuators.two_joint.kv"] == ("estimated", 0.3)
-    assert shares["actuators.one_joint.kp"] == ("estimated", 0.3)
+    assert {name: shares[name] for name in SHARES} == SHARES
     assert {share for _, share in shares.values()} <= set(SHARE_BY_ORIGIN.values())
 
 
 def test_later_globs_win_and_auto_is_a_share_too():
-    keys = {"variants": {"n": 2, "ranges": {"*": "auto", "*.mass": 0.02, "links.two.*": 0}}}
-    rows = json.loads(exported(hinges(), **keys).files["robot.json"])["variants"]["varied"]
-    by_name = {row["quantity"]: row["share"] for row in rows}
-    assert (by_name["links.one.mass"], by_name["links.one.com"]) == (0.02, 0.1)
-    assert not any(name.startswith("links.two.") for name in by_name)
+    ranges = {"*": "auto", "*.mass": 0.02, "links.two.*": 0}
+    shares = shares_in(hinges(), variants={"n": 2, "ranges": ranges})
+    assert (shares["links.one.mass"][1], shares["links.one.com"][1]) == (0.02, 0.1)
+    assert not any(name.startswith("links.two.") for name in shares)
 
 
-def test_a_glob_that_matches_nothing_is_an_error():
+def test_glob_that_matches_nothing_is_an_error():
     with pytest.raises(AssemblyError) as caught:
         varied(hinges(), {"*.masss": 0.1, "joints.three_joint.*": 0.1, "*.mass": 0.1})
     problems = [(problem.code, problem.where) for problem in caught.value.problems]
@@ -297,52 +276,40 @@ def test_variants_without_an_mjcf_are_told():
     outcome = exported(hinges(), variants={"n": 4}, export={"urdf": {}})
     assert "variants.npz" not in outcome.files
     assert "variants" not in json.loads(outcome.files["robot.json"])
-    assert [diagnostic.code for diagnostic in outcome.diagnostics if diagnostic.where == "variants"] == [
-        "W-VARIANTS"
-    ]
+    assert codes_at(outcome, "variants") == [("W-VARIANTS", "variants")]
 
 
-def test_keys_of_variants_without_any_are_idle():
-    outcome = exported(hinges(), variants={"seed": 7, "ranges": {"*.mass": 0.1}})
-    assert "variants.npz" not in outcome.files
-    idle = [
-        (diagnostic.code, diagnostic.where)
-        for diagnostic in outcome.diagnostics
-        if diagnostic.where.startswith("variants")
-    ]
-    assert idle == [("I-IDLE-KEY", "variants.seed"), ("I-IDLE-KEY", "variants.ranges")]
-    for keys in ({}, {"ranges": "auto"}, {"n": 2, "seed": 7}):
-        codes = [diagnostic.code for diagnostic in exported(hinges(), variants=keys).diagnostics]
-        assert "I-IDLE-KEY" not in codes
+@pytest.mark.parametrize(("keys", "idle"), [
+    ({"seed": 7, "ranges": {"*.mass": 0.1}}, ["variants.seed", "variants.ranges"]),
+    ({}, []), ({"ranges": "auto"}, []), ({"n": 2, "seed": 7}, []),
+])  # fmt: skip
+def test_keys_of_variants_without_any_are_idle(keys, idle):
+    outcome = exported(hinges(), variants=keys)
+    assert ("variants.npz" in outcome.files) == ("n" in keys)
+    notes = [note for note in codes_at(outcome, "variants") if note[0] == "I-IDLE-KEY"]
+    assert notes == [("I-IDLE-KEY", place) for place in idle]
 
 
-def test_a_body_that_floats_alone_keeps_its_axes():
-    round_ = Inertial(1.0, frozen([0, 0, 0]), frozen(np.diag([0.03, 0.02, 0.015])))
-    robot = robot_with([], fixed=False, inertials={"base": round_})
+def test_body_that_floats_alone_keeps_its_axes():
+    body = Inertial(1.0, frozen([0, 0, 0]), frozen(np.diag([0.03, 0.02, 0.015])))
+    robot = robot_with([], fixed=False, inertials={"base": body})
     result = exported(robot, variants={"n": 16, "ranges": {"*": 0.2}})
-    arrays = dict(np.load(io.BytesIO(result.files["variants.npz"])))
+    arrays = arrays_in(result)
     assert set(arrays["fields"]) == {"body_mass", "body_inertia"}
     inertia = arrays["body_inertia"][:, 1]
     assert (2 * inertia.max(axis=1) <= inertia.sum(axis=1) * (1 + 1e-11)).all()
-    assert [diagnostic.code for diagnostic in result.diagnostics if diagnostic.where == "variants"] == [
-        "I-VARIANTS"
-    ]
+    assert codes_at(result, "variants") == [("I-VARIANTS", "variants")]
 
 
-def test_kinds_of_a_motors_value():
-    assert kinds_of("motor a: bench (2 May); fit (identified); page (datasheet)") == [
-        "identified",
-        "datasheet",
-    ]
+def test_kinds_of_a_motors_value_are_those_of_its_sources():
+    text = "motor a: bench (2 May); fit (identified); page (datasheet)"
+    assert kinds_of(text) == ["identified", "datasheet"]
     assert kinds_of("given") == []
-
-
-# The same everywhere.
 
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**64 - 1), st.integers(1, 20), st.integers(1, 20))
-def test_a_variant_is_the_same_whatever_else_is_asked(seed, n, more):
+def test_variant_is_the_same_whatever_else_is_asked(seed, n, more):
     few = varied(hinges(), {"*.mass": 0.1, "joints.*": 0.2}, n=n, seed=seed)
     many = varied(hinges(), {"joints.*": 0.2, "*.mass": 0.1, "*.com": 0.3}, n=n + more, seed=seed)
     for field in ("body_mass", "dof_damping", "dof_armature"):
@@ -350,7 +317,7 @@ def test_a_variant_is_the_same_whatever_else_is_asked(seed, n, more):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_other_seeds_give_others(seed):
+def test_other_seeds_give_other_variants(seed):
     assert (varied(hinges(), seed=seed)["body_mass"] != varied(hinges(), seed=2)["body_mass"])[:, 1:].all()
 
 
@@ -367,22 +334,20 @@ def digest():
     return hashed.hexdigest()
 
 
-def test_the_bytes_are_known():
+def test_bytes_are_known():
     assert digest() == KNOWN
 
 
 @pytest.mark.slow
-def test_the_bytes_do_not_depend_on_the_order_of_sets():
+@pytest.mark.parametrize("seed", ["0", "77"])
+def test_bytes_do_not_depend_on_the_order_of_sets(seed):
     code = "from tests.unit.export.test_variants import digest; print(digest())"
-    for seed in ("0", "77"):
-        environ = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(PROJECT)}
-        done = subprocess.run(
-            [sys.executable, "-c", code], env=environ, cwd=PROJECT, capture_output=True, text=True, check=True
-        )
-        assert done.stdout.strip() == KNOWN
+    environ = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(PROJECT)}
+    command = [sys.executable, "-c", code]
+    assert subprocess.check_output(command, env=environ, cwd=PROJECT, text=True).strip() == KNOWN
 
 
-def test_the_file_is_stored_without_times():
+def test_file_is_stored_without_times():
     arrays = {
         "a": np.arange(6.0).reshape(2, 3), "names": np.array(["ä", "bc"]), "seed": np.array(2**63, "u8"),
     }  # fmt: skip
@@ -398,7 +363,7 @@ def test_the_file_is_stored_without_times():
 NPZ = "2d8a6b45333525e2c875f98b069c2fc1bfc44e979213cd5e68c9b1626e2056ab"
 
 
-def test_what_is_no_file_of_ours_is_refused():
+def test_other_files_are_refused():
     packed, huge = io.BytesIO(), npz({"a": np.zeros(2)}).replace(b"(2,)", b"(9,)")
     np.savez_compressed(packed, a=np.zeros(1000))
     objects = io.BytesIO()

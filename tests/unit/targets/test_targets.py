@@ -11,6 +11,7 @@ from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.errors import ConfigError
 from linkwright.stages.export.requirements import require
 from linkwright.stages.export.settled import changes, settled
+from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.robot.model.actuation import Actuation, Actuator
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.robot.model.robot import Dynamics, Frame, frozen
@@ -19,8 +20,11 @@ from linkwright.stages.targets.options import actuation_of, flags_of, options_of
 from linkwright.stages.targets.readers import READERS, rows_of
 from linkwright.stages.targets.section import TargetSection
 from linkwright.stages.targets.things import dropped_things
+from tests.support import drake
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import joint, robot_with
+
+ARM = robot_with([joint("revolute", "base", "arm")])
 
 
 def chosen(*arguments):
@@ -41,18 +45,18 @@ def test_two_targets_that_exclude_each_other_are_both_named():
     assert set(chosen("target=[mjx,mjwarp]", "target.mjwarp.iterations=10")) == {"mjx", "mjwarp"}
 
 
-def test_the_key_that_there_was_shows_the_new_line():
+def test_former_key_shows_the_new_line():
     with pytest.raises(ConfigError, match="target=mjx") as refused:
         chosen("mesh.target=mjx")
     assert "mesh.target" in str(refused.value)
 
 
 @pytest.mark.parametrize("version", get_args(MujocoVersion))
-def test_a_version_may_be_typed_as_a_number(version):
+def test_version_may_be_typed_as_a_number(version):
     assert chosen(f"target.mujoco.version={version}")["mujoco"] == {"version": version}
 
 
-def test_a_target_that_reads_no_format_of_the_build_is_refused():
+def test_target_that_reads_no_format_of_the_build_is_refused():
     with pytest.raises(ConfigError, match="pybullet reads urdf"):
         require(plan_of(target={"pybullet": {}}, export={"sdf": {}}))
     with pytest.raises(ConfigError, match="gazebo reads sdf"):
@@ -61,7 +65,7 @@ def test_a_target_that_reads_no_format_of_the_build_is_refused():
 
 
 def test_user_wins_over_target_over_defaults():
-    robot = robot_with([joint("revolute", "base", "arm")])
+    robot = ARM
     option = settled(plan_of(target={"mjx": {}}), robot).scene.option
     assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (10, 20, "disable")
     assert option.integrator == "implicitfast"
@@ -73,23 +77,20 @@ def test_user_wins_over_target_over_defaults():
 
 def test_unknown_flag_of_a_source_is_no_error():
     extras = replace(NO_EXTRAS, flag=(("energy", "enable"), ("brandnew", "enable")))
-    robot = replace(robot_with([joint("revolute", "base", "arm")]), mjcf=extras)
+    robot = replace(ARM, mjcf=extras)
     flag = settled(plan_of(target={"mjx": {}}), robot).scene.option.flag
     assert flag.explicit() == {"eulerdamp": "disable"}
     assert settled(plan_of(), robot).scene.option.flag.explicit() == {"energy": "enable"}
 
 
 def messages(robot, **tree):
-    return [
-        (change.message, change.hint)
-        for change in changes(plan_of(**tree), robot)
-        if change.code == "I-TARGET"
-    ]
+    notes = changes(plan_of(**tree), robot)
+    return [(note.message, note.hint) for note in notes if note.code == "I-TARGET"]
 
 
 def test_settings_that_targets_change_are_reported():
     extras = replace(NO_EXTRAS, option=(("iterations", "50"),), flag=(("energy", "enable"),))
-    robot = replace(robot_with([joint("revolute", "base", "arm")]), mjcf=extras)
+    robot = replace(ARM, mjcf=extras)
     targets = {name: {} for name in ("mjx", "mjwarp", "newton")}
     option = {"solver": "PGS", "ls_iterations": 9, "flag": {"fwdinv": "enable"}}
     ours = "without it this stays as it is"
@@ -106,25 +107,18 @@ def test_settings_that_targets_change_are_reported():
     assert messages(robot, scene__option=option) == []
 
 
-def test_an_inertial_of_frames_is_told():
-    robot = robot_with([joint("revolute", "base", "arm")])
-    robot = replace(robot, frames=(Frame("tip", "arm", frozen(np.eye(4)), ""),))
+def test_frames_have_an_inertial_for_pybullet_which_is_told():
+    robot = replace(ARM, frames=(Frame("tip", "arm", frozen(np.eye(4)), ""),))
     targets = {"pybullet": {}, "drake": {}}
-    urdf = {"frame_inertia": "none"}
-    assert [text for text, _ in messages(robot, target=targets, export={"urdf": urdf})] == [
-        "export.urdf.frame_inertia: none → tiny"
-    ]
-    assert messages(robot, target=targets, export={"urdf": {"frame_inertia": "tiny"}}) == []
-    assert messages(replace(robot, frames=()), target=targets) == []
+    none, tiny = ({"urdf": {"frame_inertia": kind}} for kind in ("none", "tiny"))
+    told = messages(robot, target=targets, export=none)
+    assert [text for text, _ in told] == ["export.urdf.frame_inertia: none → tiny"]
+    assert messages(robot, target=targets, export=tiny) == messages(ARM, target=targets) == []
+    for target, kind in (("pybullet", "tiny"), ("mjx", "none")):
+        assert settled(plan_of(target={target: {}}), ARM).export.urdf.frame_inertia == kind
 
 
-def test_frames_have_an_inertial_for_pybullet():
-    robot = robot_with([joint("revolute", "base", "arm")])
-    assert settled(plan_of(target={"pybullet": {}}), robot).export.urdf.frame_inertia == "tiny"
-    assert settled(plan_of(target={"mjx": {}}), robot).export.urdf.frame_inertia == "none"
-
-
-def test_what_engines_ask_of_shapes_together():
+def test_limits_on_shapes_of_several_engines_add_up():
     assert shape_limits([]) == NO_LIMITS
     both = shape_limits(["mjx", "drake"])
     assert (both.without, both.vertices(64), both.vertices(16), both.obj) == (
@@ -134,10 +128,8 @@ def test_what_engines_ask_of_shapes_together():
 
 
 def test_options_without_effect_on_motion_are_replaced():
-    assert options_of(["mjwarp"], {"solver": "PGS", "timestep": 0.01}) == {
-        "solver": "Newton",
-        "timestep": 0.01,
-    }
+    warp = options_of(["mjwarp"], {"solver": "PGS", "timestep": 0.01})
+    assert warp == {"solver": "Newton", "timestep": 0.01}
     assert options_of(["mujoco"], {"solver": "PGS"}) == {"solver": "PGS"}
     flags = {"energy": "enable", "fwdinv": "enable", "eulerdamp": "disable"}
     assert flags_of(["mjx"], flags) == {"eulerdamp": "disable"}
@@ -147,21 +139,16 @@ def test_options_without_effect_on_motion_are_replaced():
 
 def moved(actuator):
     """The motion of an arm under a control of 4, by MuJoCo."""
-    more = {"kp": actuator.kp, "kv": actuator.kv}
-    attributes = {
-        **{key: f"{value}" for key, value in more.items() if value is not None},
-        **dict(actuator.terms),
-    }
-    text = " ".join(f'{key}="{value}"' for key, value in attributes.items())
+    gains = {"kp": actuator.kp, "kv": actuator.kv, **dict(actuator.terms)}
+    text = " ".join(f'{key}="{value}"' for key, value in gains.items() if value is not None)
     model = mujoco.MjModel.from_xml_string(
         '<mujoco><option integrator="implicitfast"/><worldbody><body>'
         '<joint name="j" axis="0 1 0" armature="0.01"/>'
         '<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02"/></body></worldbody>'
         f'<actuator><{actuator.type} joint="j" gear="{actuator.gear}" {text}/></actuator></mujoco>'
     )
-    data = mujoco.MjData(model)
+    data, path = mujoco.MjData(model), []
     data.ctrl[:] = 4.0
-    path = []
     for _ in range(400):
         mujoco.mj_step(model, data)
         path.append(float(data.qpos[0]))
@@ -178,7 +165,7 @@ PID = (("input", "pos"),)
     (Actuator("m", "j", "dcmotor", gear=3.0, terms=NOMINAL), "general"),
     (Actuator("m", "j", "pid", gear=2.0, kp=30.0, kv=2.0, terms=PID), "position"),
 ], ids=["constants", "nominal", "pid"])  # fmt: skip
-def test_an_actuator_in_another_form_moves_the_robot_as_before(before, becomes):
+def test_actuator_in_another_form_moves_the_robot_as_before(before, becomes):
     (after,) = actuation_of(["mjx"], Actuation(actuators=(before,))).actuators
     assert after.type == becomes
     assert np.abs(moved(before)).max() > 0.1
@@ -191,32 +178,37 @@ def test_an_actuator_in_another_form_moves_the_robot_as_before(before, becomes):
     Actuator("m", "j", "pid", kp=1.0, terms=(*PID, ("ki", "2"))),
     Actuator("m", "j", "position", kp=1.0),
 ], ids=["saturation", "inductance", "integral", "position"])  # fmt: skip
-def test_an_actuator_without_an_exact_form_stays(actuator):
+def test_actuator_without_an_exact_form_stays(actuator):
     before = Actuation(actuators=(actuator,))
     assert actuation_of(["mjx", "mjwarp"], before) == before
 
 
-def test_each_row_was_measured_on_a_day_or_read_somewhere():
+def test_each_row_is_unique_and_was_measured_on_a_day_or_read():
     for row in READERS:
+        assert row.format in WRITERS
+        assert row.version
+        assert row.does
         assert bool(row.measured) != bool(row.source), row
         assert not row.source or row.source.startswith("https://")
         assert row.evidence.startswith(("measured 2026-", "read in its "))
+    assert len({(row.reader, row.version, row.format, row.thing) for row in READERS}) == len(READERS)
+    assert {row.version for row in READERS if row.reader == "Drake"} == {drake.VERSION}, "that of the tests"
 
 
-def test_a_row_says_what_it_was_read_in():
+def test_row_says_in_what_it_was_read():
     read = {row.source: row.evidence for row in READERS if row.source}
-    assert read["https://github.com/isaac-sim/IsaacSim/issues/841"] == "read in its issues"
-    assert read["https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py"] == (
-        "read in its source"
-    )
-    assert read["https://docs.ros.org/en/jazzy/p/sdformat_urdf"] == "read in its documentation"
+    for source, place in (
+        ("https://github.com/isaac-sim/IsaacSim/issues/841", "issues"),
+        ("https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py", "source"),
+        ("https://docs.ros.org/en/jazzy/p/sdformat_urdf", "documentation"),
+    ):
+        assert read[source] == f"read in its {place}"
 
 
-def test_the_report_says_how_a_target_meets_a_row():
-    robot = robot_with([joint("revolute", "base", "arm")])
-    rows = dropped_things(robot, NO_MESHES, ["urdf"], {"pybullet": None})
+def test_report_says_how_a_target_meets_a_row():
+    rows = dropped_things(ARM, NO_MESHES, ["urdf"], {"pybullet": None})
     assert {row["reader"]: row.get("target") for row in rows}["PyBullet"] in ("refused", "stated", "replaced")
-    assert all("target" not in row for row in dropped_things(robot, NO_MESHES, ["urdf"]))
+    assert all("target" not in row for row in dropped_things(ARM, NO_MESHES, ["urdf"]))
 
 
 def test_report_marks_the_rows_of_the_chosen_version():
