@@ -60,19 +60,16 @@ def test_points_are_those_of_pycollada():
     assert distinct(dae_points(DAE.encode())) == pytest.approx(distinct(expected), abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('url="#part"', 'url="#nowhere"'),
-        ("<translate>0 0 1</translate>", '<instance_node url="#part"/>'),
-        ("<p>0 0 0 1", "<p>0 0 0 99"),
-        ("<p>0 0 0 1", "<p>0 0 0 inf"),
-        ('offset="1"', 'offset="inf"'),
-        ('offset="1"', 'offset="-1"'),
-        ("<translate>0 0 1</translate>", "<translate>0 one</translate>"),
-        ("<translate>0 0 1</translate>", "<skew>45 0 1 0 1 0 0</skew>"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new"), [
+    ('url="#part"', 'url="#nowhere"'),
+    ("<translate>0 0 1</translate>", '<instance_node url="#part"/>'),
+    ("<p>0 0 0 1", "<p>0 0 0 99"),
+    ("<p>0 0 0 1", "<p>0 0 0 inf"),
+    ('offset="1"', 'offset="inf"'),
+    ('offset="1"', 'offset="-1"'),
+    ("<translate>0 0 1</translate>", "<translate>0 one</translate>"),
+    ("<translate>0 0 1</translate>", "<skew>45 0 1 0 1 0 0</skew>"),
+])  # fmt: skip
 def test_a_file_that_is_not_whole_is_damaged(old, new):
     assert old in DAE
     with pytest.raises(Damaged):

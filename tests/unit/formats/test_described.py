@@ -1,17 +1,19 @@
-"""robot.json is read back: each field of each kind of thing; faults are named."""
+"""The robot as it is written comes back from robot.json and from the cache, with each of its fields."""
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from linkwright.stages.export.robot_json import describe
 from linkwright.stages.formats.described import described
+from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.formats.urdf.form import UrdfForm
-from linkwright.stages.formats.written import Written
+from linkwright.stages.formats.urdf.urdf_robot import urdf_form
+from linkwright.stages.formats.written import Written, decode, encode
 from linkwright.stages.robot.dynamics.driven import as_driven
 from linkwright.stages.robot.model.actuation import Actuation, Actuator, Armature
 from linkwright.stages.robot.model.amendments import Amendment, Amendments, Surplus
@@ -107,6 +109,8 @@ SENSING = Sensing(
     (SensorCamera("eye", "link2", frozen(at(0, 1, 1)), 45.0, (640, 480)),),
 )
 PRIMITIVE = Primitive("box", (0.1, 0.2, 0.3), at(0, 0, 0.1))
+
+
 CONTACT = ContactProperties((1, 0.1, 0.01), 4, (0.01, 1), (0.9, 0.95, 0.001, 0.5, 2), 0.001, 3)
 GEOMETRY = Geometry(
     (
@@ -147,17 +151,17 @@ def test_everything_is_read_back(seed):
     truth = described(text(robot))
     again = truth.written
     assert differences(as_driven(robot, ACTUATION), again.robot, NEAR, {"base": "", "keyframes": ""}) == []
-    assert again.robot.base.joint == "base_free"
-    assert again.robot.keyframes == robot.keyframes
-    pairs = [(ACTUATION, again.actuation), (FORM, again.urdf_form), (SENSING, again.sensing)]
-    pairs += [(GEOMETRY, again.geometry), (AMENDMENTS, again.amendments), (SCENE, again.scene)]
-    for first, other in pairs:
+    assert (again.robot.base.joint, again.robot.keyframes) == ("base_free", robot.keyframes)
+    for first, other in (
+        (ACTUATION, again.actuation), (FORM, again.urdf_form), (SENSING, again.sensing),
+        (GEOMETRY, again.geometry), (AMENDMENTS, again.amendments), (SCENE, again.scene),
+    ):  # fmt: skip
         assert differences(first, other, NEAR, {"files": ""}) == []
     assert again.mjcf_form == MjcfForm(("link0",))
     assert truth.files == ("assets/a.stl", "robot.xml")
 
 
-def test_the_robot_json_of_a_build_that_ends_early_is_read_too():
+def test_robot_json_of_a_build_that_ends_early_is_read():
     truth = described(describe(Written(whole(0))))
     assert (truth.written.geometry, truth.written.scene, truth.files) == (None, None, ())
     assert truth.written.urdf_form == UrdfForm()
@@ -174,7 +178,7 @@ def leaves(value, path=()):
 
 
 @pytest.mark.slow
-def test_a_value_of_a_wrong_type_is_a_named_error_or_not_read():
+def test_value_of_a_wrong_type_is_a_named_error_or_not_read():
     """Each value in its turn as a text, a table, or nothing: it is refused with its name, or not read."""
     table = json.loads(text(whole(0)))
     refused = 0
@@ -196,3 +200,17 @@ def test_a_value_of_a_wrong_type_is_a_named_error_or_not_read():
 def test_other_data_is_refused(data):
     with pytest.raises(RobotJsonError):
         described(data)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cached_robot_is_read_as_it_was_written(seed):
+    """Nothing is left out: each field differs from its default, except `srdf_form`, which no build sets."""
+    robot = whole(seed)
+    forms = urdf_form(robot, merged=True), mjcf_written.mjcf_form(robot)
+    written = Written(as_driven(robot, ACTUATION), ACTUATION, GEOMETRY, *forms, SENSING, AMENDMENTS, SCENE)
+    bare = Written(robot)
+    names = [field.name for field in fields(Written)]
+    same = [name for name in names if getattr(written, name) == getattr(bare, name)]
+    assert same == ["srdf_form"]
+    again = decode(encode(written), robot, GEOMETRY)
+    assert differences(written, again, 0.0, {"option": "lists"}) == []

@@ -23,28 +23,25 @@ def test_what_has_what_it_claims_is_read():
     assert len(read(changed(), "a.gltf", Companions()).triangles)
 
 
-@pytest.mark.parametrize(
-    ("changes", "why"),
-    [
-        ({"accessors": {"count": 10**12}}, "which are not there"),
-        ({"accessors": {"count": -1}}, "count is not a whole number"),
-        ({"accessors": {"count": 1.5}}, "count is not a whole number"),
-        ({"accessors": {"bufferView": ..., "count": 10**12}}, "which are not there"),
-        ({"accessors": {"bufferView": ..., "sparse": {"count": 1}, "count": 10**12}}, "which are not there"),
-        ({"accessors": {"byteOffset": 10**9}}, "which are not there"),
-        ({"bufferViews": {"byteStride": 1}}, "a stride of 1"),
-        ({"bufferViews": {"byteLength": 10**12}}, "view 0 reaches beyond"),
-        ({"buffers": [{"byteLength": 10**12, "uri": "elsewhere.bin"}]}, "reaches beyond"),
-        ({"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]}, "do not form a tree"),
-        ({"nodes": [*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]}, "do not form a tree"),
-        (
-            {"nodes": [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]},
-            "do not form a tree",
-        ),
-        ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
-        ({"meshes": 7}, "damaged"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "why"), [
+    ({"accessors": {"count": 10**12}}, "which are not there"),
+    ({"accessors": {"count": -1}}, "count is not a whole number"),
+    ({"accessors": {"count": 1.5}}, "count is not a whole number"),
+    ({"accessors": {"bufferView": ..., "count": 10**12}}, "which are not there"),
+    ({"accessors": {"bufferView": ..., "sparse": {"count": 1}, "count": 10**12}}, "which are not there"),
+    ({"accessors": {"byteOffset": 10**9}}, "which are not there"),
+    ({"bufferViews": {"byteStride": 1}}, "a stride of 1"),
+    ({"bufferViews": {"byteLength": 10**12}}, "view 0 reaches beyond"),
+    ({"buffers": [{"byteLength": 10**12, "uri": "elsewhere.bin"}]}, "reaches beyond"),
+    ({"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]}, "do not form a tree"),
+    ({"nodes": [*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]}, "do not form a tree"),
+    (
+        {"nodes": [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]},
+        "do not form a tree",
+    ),
+    ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
+    ({"meshes": 7}, "damaged"),
+])  # fmt: skip
 def test_what_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
     monkeypatch.setattr(gltf, "_MAX_NUMBERS", 100_000)
     with pytest.raises(Unreadable, match=why):

@@ -9,30 +9,24 @@ from linkwright.stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of,
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0"), (-0.0, "0"), (1.0, "1"), (0.1 + 0.2, "0.3"), (1 / 3, "0.333333333333"), (-2.5, "-2.5"),
-        (100.0, "100"), (1e-5, "1e-5"), (123456789.0, "123456789"), (1e20, "1e20"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("value", "text"), [
+    (0.0, "0"), (-0.0, "0"), (1.0, "1"), (0.1 + 0.2, "0.3"), (1 / 3, "0.333333333333"), (-2.5, "-2.5"),
+    (100.0, "100"), (1e-5, "1e-5"), (123456789.0, "123456789"), (1e20, "1e20"),
+])  # fmt: skip
 def test_numbers_are_as_short_as_they_can_be(value, text):
     assert number(value) == text
 
 
-@pytest.mark.parametrize(
-    ("values", "least", "text"),
-    [
-        ([0.3, 1e-17, -2e-13], None, "0.3 0 0"),
-        ([0.3, 1e-9, 0], None, "0.3 1e-9 0"),
-        ([0.0, -0.0, 0.0], None, "0 0 0"),
-        ([8e-15, -1e-13, 0.1], None, "0 0 0.1"),
-        ([8e-15, -9e-14, 0.0], None, "8e-15 -9e-14 0"),
-        ([8e-15, -9e-14, 0.0], LENGTH, "0 0 0"),
-        ([3e-13, 0.0, 0.0], LENGTH, "3e-13 0 0"),
-        ([3e-13, -0.0, 200.0], LENGTH, "0 0 200"),
-    ],
-)
+@pytest.mark.parametrize(("values", "least", "text"), [
+    ([0.3, 1e-17, -2e-13], None, "0.3 0 0"),
+    ([0.3, 1e-9, 0], None, "0.3 1e-9 0"),
+    ([0.0, -0.0, 0.0], None, "0 0 0"),
+    ([8e-15, -1e-13, 0.1], None, "0 0 0.1"),
+    ([8e-15, -9e-14, 0.0], None, "8e-15 -9e-14 0"),
+    ([8e-15, -9e-14, 0.0], LENGTH, "0 0 0"),
+    ([3e-13, 0.0, 0.0], LENGTH, "3e-13 0 0"),
+    ([3e-13, -0.0, 200.0], LENGTH, "0 0 200"),
+])  # fmt: skip
 def test_noise_beside_a_large_entry_or_below_the_least_value_is_zero(values, least, text):
     assert spaced(values, **({} if least is None else {"least": least})) == text
 
@@ -44,7 +38,7 @@ def test_the_least_value_depends_on_the_kind_of_a_dof():
 
 
 @given(st.lists(finite, min_size=1, max_size=9))
-def test_every_entry_is_within_the_tolerance_of_the_largest(values):
+def test_each_entry_is_within_the_tolerance_of_the_largest(values):
     texts = numbers(values)
     largest = max(map(abs, values))
     for value, text in zip(values, texts, strict=True):

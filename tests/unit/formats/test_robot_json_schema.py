@@ -72,16 +72,13 @@ def test_a_robot_of_an_mjcf_is_as_the_schema_says(case, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("change", "place"),
-    [
-        (lambda t: t["links"][0].pop("mass"), ["links", 0]),
-        (lambda t: t["joints"][0].update(type="hinge"), ["joints", 0, "type"]),
-        (lambda t: t["links"][0].update(com=[0, 0]), ["links", 0, "com"]),
-        (lambda t: t["root_pose"].update(quat="x"), ["root_pose", "quat"]),
-        (lambda t: t.update(surprise=1), []),
-    ],
-)
+@pytest.mark.parametrize(("change", "place"), [
+    (lambda t: t["links"][0].pop("mass"), ["links", 0]),
+    (lambda t: t["joints"][0].update(type="hinge"), ["joints", 0, "type"]),
+    (lambda t: t["links"][0].update(com=[0, 0]), ["links", 0, "com"]),
+    (lambda t: t["root_pose"].update(quat="x"), ["root_pose", "quat"]),
+    (lambda t: t.update(surprise=1), []),
+])  # fmt: skip
 def test_a_table_that_breaks_the_schema_is_refused(change, place):
     table = json.loads(text(whole(0)))
     change(table)

@@ -54,17 +54,14 @@ def test_a_texture_that_no_triangle_has_is_left_out():
     assert (made.textures, made.texcoords) == ((), None)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"textures": ("", IMAGE)},
-        {"textures": ("", "", "../x")},
-        {"textures": ("", "", IMAGE + "\n")},
-        {"textures": ("", "", IMAGE.upper())},
-        {"texcoords": np.full((4, 3, 2), np.nan, np.float32)},
-        {"texcoords": np.zeros((3, 3, 2), np.float32)},
-    ],
-)
+@pytest.mark.parametrize("changes", [
+    {"textures": ("", IMAGE)},
+    {"textures": ("", "", "../x")},
+    {"textures": ("", "", IMAGE + "\n")},
+    {"textures": ("", "", IMAGE.upper())},
+    {"texcoords": np.full((4, 3, 2), np.nan, np.float32)},
+    {"texcoords": np.zeros((3, 3, 2), np.float32)},
+])  # fmt: skip
 def test_malformed_textures_are_refused(changes):
     with pytest.raises(ProtocolError):
         body_arrays.decode(body_arrays.encode([body(**changes)]))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from linkwright.stages.formats.urdf.model import Transmission, mesh_key
 from linkwright.stages.formats.urdf.parse import parse
@@ -46,7 +47,7 @@ def visual(geometry, more=""):
     return f'<link name="a"><visual>{more}<geometry>{geometry}</geometry></visual></link>'
 
 
-def test_what_a_joint_leaves_out_is_as_in_ros():
+def test_defaults_of_a_joint_are_those_of_ros():
     parsed = of_joint("")
     assert (parsed.name, parsed.type, parsed.parent, parsed.child) == ("j", "revolute", "a", "b")
     assert np.array_equal(parsed.parent_from_joint, np.eye(4))
@@ -71,16 +72,12 @@ def test_everything_that_a_joint_may_say():
 
 
 def test_roll_pitch_and_yaw_turn_about_the_fixed_axes():
-    r, p, y = 0.3, -0.5, 0.7
-    about_x = [[1, 0, 0], [0, math.cos(r), -math.sin(r)], [0, math.sin(r), math.cos(r)]]
-    about_y = [[math.cos(p), 0, math.sin(p)], [0, 1, 0], [-math.sin(p), 0, math.cos(p)]]
-    about_z = [[math.cos(y), -math.sin(y), 0], [math.sin(y), math.cos(y), 0], [0, 0, 1]]
-    expected = np.array(about_z) @ np.array(about_y) @ np.array(about_x)
     parsed = of_joint('<origin rpy="0.3 -0.5 0.7"/>')
+    expected = Rotation.from_euler("xyz", [0.3, -0.5, 0.7]).as_matrix()
     np.testing.assert_allclose(parsed.parent_from_joint[:3, :3], expected, atol=1e-15)
 
 
-def test_a_quaternion_may_replace_the_angles_and_commas_and_any_whitespace_part_numbers():
+def test_quaternion_may_replace_angles_and_commas_part_numbers():
     half = math.sqrt(0.5)
     turned = of_joint(f'<origin quat_xyzw="0 0 {half} {half}"/>').parent_from_joint
     np.testing.assert_allclose(turned[:2, :2], [[0, -1], [1, 0]], atol=1e-15)
@@ -95,24 +92,21 @@ def test_all_types_are_read_and_only_two_have_a_range(kind):
     assert (parsed.limits is not None) == (kind in ("revolute", "prismatic"))
 
 
-@pytest.mark.parametrize(
-    ("limit", "expected"),
-    [
-        ('effort="0" velocity="inf"', (0, 0, 0, None)),
-        ('lower="-inf" upper="inf"', (None, None, None, None)),
-    ],
-)
-def test_a_limit_without_bounds_is_closed_at_zero_and_an_infinite_limit_is_open(limit, expected):
+@pytest.mark.parametrize(("limit", "expected"), [
+    ('effort="0" velocity="inf"', (0, 0, 0, None)),
+    ('lower="-inf" upper="inf"', (None, None, None, None)),
+])  # fmt: skip
+def test_limit_without_bounds_is_zero_and_an_infinite_one_open(limit, expected):
     parsed = of_joint(f"<limit {limit}/>")
     assert (parsed.limits.lower, parsed.limits.upper, parsed.effort, parsed.velocity) == expected
 
 
-def test_a_mimic_has_multiplier_1_and_offset_0_unless_it_says_otherwise():
+def test_mimic_has_multiplier_1_and_offset_0_by_default():
     mimics = [of_joint(f'<mimic joint="k"{more}/>').mimic for more in ("", ' multiplier="0"')]
     assert [(mimic.multiplier, mimic.offset) for mimic in mimics] == [(1, 0), (0, 0)]
 
 
-def test_an_inertial_is_reported_in_the_links_frame_with_its_six_numbers_in_place():
+def test_inertial_is_in_the_links_frame_with_its_six_numbers():
     origin = '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/><mass value="3"/>'
     turned = inertial(f'{origin}<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="4"/>')
     assert (turned.mass, turned.com.tolist()) == (3, [1, 0, 0])
@@ -121,24 +115,21 @@ def test_an_inertial_is_reported_in_the_links_frame_with_its_six_numbers_in_plac
     assert full.inertia.tolist() == [[1, 2, 3], [2, 4, 5], [3, 5, 6]]
 
 
-def test_the_missing_parts_of_an_inertial_are_zero_and_reported():
+def test_missing_parts_of_an_inertial_are_zero_and_reported():
     robot = read('<link name="a"><inertial/></link><link name="b"/>')
     assert robot.links[0].inertial.mass == 0
     assert robot.links[1].inertial is None
     assert [diagnostic.code for diagnostic in robot.diagnostics] == ["W-URDF-INERTIAL"]
 
 
-@pytest.mark.parametrize(
-    ("geometry", "kind", "size"),
-    [
-        ('<box size="1 2 3"/>', "box", (1, 2, 3)),
-        ('<sphere radius="0.5"/>', "sphere", (0.5,)),
-        ('<cylinder radius="0.5" length="2"/>', "cylinder", (0.5, 2)),
-        ('<capsule radius="0.5" length="2"/>', "capsule", (0.5, 2)),
-        ('<mesh filename="a.stl" scale="1 -2 3"/>', "mesh", ()),
-        ('<mesh filename="a.stl" scale="0.001"/>', "mesh", ()),
-    ],
-)
+@pytest.mark.parametrize(("geometry", "kind", "size"), [
+    ('<box size="1 2 3"/>', "box", (1, 2, 3)),
+    ('<sphere radius="0.5"/>', "sphere", (0.5,)),
+    ('<cylinder radius="0.5" length="2"/>', "cylinder", (0.5, 2)),
+    ('<capsule radius="0.5" length="2"/>', "capsule", (0.5, 2)),
+    ('<mesh filename="a.stl" scale="1 -2 3"/>', "mesh", ()),
+    ('<mesh filename="a.stl" scale="0.001"/>', "mesh", ()),
+])  # fmt: skip
 def test_every_shape_is_read(geometry, kind, size):
     (shape,) = sound(visual(geometry, '<origin xyz="0 0 1"/>')).links[0].visuals
     assert (shape.kind, shape.size) == (kind, size)
@@ -168,7 +159,7 @@ NAMELESS = '<material name=""><color rgba="0 1 0"/></material>'
 TWICE = "".join(f'<material name="m"><color rgba="{c} 0 0 1"/></material>' for c in (0, 1))
 
 
-def test_materials_are_the_visuals_own_or_named_from_anywhere_in_the_file():
+def test_materials_are_a_visuals_own_or_named_in_the_file():
     for body, expected in (
         (USES_RED + RED, [(1, 0, 0, 1)]),
         (USES_RED.replace('"a"', '"b"') + visual(BOX, RED), [(1, 0, 0, 1)] * 2),
@@ -179,7 +170,7 @@ def test_materials_are_the_visuals_own_or_named_from_anywhere_in_the_file():
         assert colours(body) == expected, body
 
 
-def test_a_doubtful_material_is_reported():
+def test_doubtful_material_is_reported():
     for body, code, words in (
         (USES_RED, "W-URDF-MATERIAL", 'there is no material "red"'),
         (visual(BOX, '<material><color rgba="255 0 -1 1"/></material>'), "W-URDF-COLOUR", "(1, 0, 0, 1)"),
@@ -191,54 +182,49 @@ def test_a_doubtful_material_is_reported():
     assert reports(TWICE + visual(BOX)) == []
 
 
-@pytest.mark.parametrize(
-    ("body", "code", "words"),
-    [
-        (joint('<origin xyz="1 2"/>'), "E-URDF-NUMBER", '<origin xyz="1 2">: expected 3 finite numbers'),
-        (joint('<origin xyz="0,5 0 0"/>'), "E-URDF-NUMBER", "3 finite numbers"),
-        (joint('<origin rpy="nan 0 0"/>'), "E-URDF-NUMBER", "finite"),
-        (joint('<axis xyz="1e999 0 0"/>'), "E-URDF-NUMBER", "finite"),
-        (joint('<axis xyz="0 0 0"/>'), "E-URDF-AXIS", "no direction"),
-        (joint('<limit lower="nan" upper="1"/>'), "E-URDF-NUMBER", "expected a number"),
-        (joint('<limit lower="1" upper="-1"/>'), "E-URDF-LIMIT", "above"),
-        (joint('<limit lower="1_0" upper="20"/>'), "E-URDF-NUMBER", "1_0"),
-        (joint('<dynamics damping="-1"/>'), "E-URDF-NUMBER", "negative"),
-        (joint("<mimic/>"), "E-URDF-MIMIC", 'joint="…"'),
-        (joint(kind="hinge"), "E-URDF-TYPE", '"hinge"'),
-        ('<link name="a"/><joint name="j" type="fixed"><child link="a"/></joint>', "E-URDF-JOINT", "<parent"),
-        ('<link name="a"/>\n<link name="a"/>', "E-URDF-NAME", "line 2"),
-        ('<link name=" "/>', "E-URDF-NAME", "no name"),
-        ("", "E-URDF-EMPTY", "no link"),
-        (visual('<box size="1 -1 1"/>'), "E-URDF-SHAPE", "size"),
-        (visual("<sphere/>"), "E-URDF-SHAPE", "radius"),
-        (visual("<mesh/>"), "E-URDF-MESH", "filename"),
-        (visual('<mesh filename="a.stl" scale="1 0 1"/>'), "E-URDF-NUMBER", "no scale may be 0"),
-        (visual('<sphere radius="0"/>'), "W-URDF-SHAPE", "no extent"),
-        ('<link name="a"><visual/></link>', "W-URDF-SHAPE", "no known shape"),
-        (visual('<box size="1 1 1"/><sphere radius="1"/>'), "W-URDF-TWICE", "first counts"),
-        ('<link name="a" colour="red"/>', "W-URDF-UNKNOWN", 'colour="" of <link>'),
-        ('<link name="a"><vizual/></link>', "W-URDF-UNKNOWN", "<vizual> in <link>"),
-        ('<link name="a"><contact/></link><gazebo/><gazebo/>', "I-URDF-LEFT", "<contact> (1), <gazebo> (2)"),
-    ],
-)
-def test_faults_and_left_out_elements_are_reported_with_their_line(body, code, words):
-    diagnostics = [diagnostic for diagnostic in read(body).diagnostics if diagnostic.code == code]
-    assert len(diagnostics) == 1
-    assert words in diagnostics[0].message
-    assert diagnostics[0].where.startswith("r.urdf")
+@pytest.mark.parametrize(("body", "code", "words"), [
+    (joint('<origin xyz="1 2"/>'), "E-URDF-NUMBER", '<origin xyz="1 2">: expected 3 finite numbers'),
+    (joint('<origin xyz="0,5 0 0"/>'), "E-URDF-NUMBER", "3 finite numbers"),
+    (joint('<origin rpy="nan 0 0"/>'), "E-URDF-NUMBER", "finite"),
+    (joint('<axis xyz="1e999 0 0"/>'), "E-URDF-NUMBER", "finite"),
+    (joint('<axis xyz="0 0 0"/>'), "E-URDF-AXIS", "no direction"),
+    (joint('<limit lower="nan" upper="1"/>'), "E-URDF-NUMBER", "expected a number"),
+    (joint('<limit lower="1" upper="-1"/>'), "E-URDF-LIMIT", "above"),
+    (joint('<limit lower="1_0" upper="20"/>'), "E-URDF-NUMBER", "1_0"),
+    (joint('<dynamics damping="-1"/>'), "E-URDF-NUMBER", "negative"),
+    (joint("<mimic/>"), "E-URDF-MIMIC", 'joint="…"'),
+    (joint(kind="hinge"), "E-URDF-TYPE", '"hinge"'),
+    ('<link name="a"/><joint name="j" type="fixed"><child link="a"/></joint>', "E-URDF-JOINT", "<parent"),
+    ('<link name="a"/>\n<link name="a"/>', "E-URDF-NAME", "line 2"),
+    ('<link name=" "/>', "E-URDF-NAME", "no name"),
+    ("", "E-URDF-EMPTY", "no link"),
+    (visual('<box size="1 -1 1"/>'), "E-URDF-SHAPE", "size"),
+    (visual("<sphere/>"), "E-URDF-SHAPE", "radius"),
+    (visual("<mesh/>"), "E-URDF-MESH", "filename"),
+    (visual('<mesh filename="a.stl" scale="1 0 1"/>'), "E-URDF-NUMBER", "no scale may be 0"),
+    (visual('<sphere radius="0"/>'), "W-URDF-SHAPE", "no extent"),
+    ('<link name="a"><visual/></link>', "W-URDF-SHAPE", "no known shape"),
+    (visual('<box size="1 1 1"/><sphere radius="1"/>'), "W-URDF-TWICE", "first counts"),
+    ('<link name="a" colour="red"/>', "W-URDF-UNKNOWN", 'colour="" of <link>'),
+    ('<link name="a"><vizual/></link>', "W-URDF-UNKNOWN", "<vizual> in <link>"),
+    ('<link name="a"><contact/></link><gazebo/><gazebo/>', "I-URDF-LEFT", "<contact> (1), <gazebo> (2)"),
+])  # fmt: skip
+def test_faults_and_ignored_elements_are_reported_with_lines(body, code, words):
+    (diagnostic,) = [diagnostic for diagnostic in read(body).diagnostics if diagnostic.code == code]
+    assert words in diagnostic.message
+    assert diagnostic.where.startswith("r.urdf")
 
 
-def test_everything_wrong_is_reported_at_once_in_the_order_of_lines():
+def test_all_faults_are_reported_at_once_in_order_of_lines():
     body = f"""
         {joint('<origin xyz="x"/>', "hinge")}
         <link name="a"><inertial><mass value="nan"/></inertial></link>"""
     diagnostics = read(body).diagnostics
-    assert [problem.code for problem in diagnostics if problem.level == "error"] == [
-        "E-URDF-TYPE", "E-URDF-NUMBER", "E-URDF-NAME",
-    ]  # fmt: skip
+    errors = [problem.code for problem in diagnostics if problem.level == "error"]
+    assert errors == ["E-URDF-TYPE", "E-URDF-NUMBER", "E-URDF-NAME"]
 
 
-def test_errors_without_end_are_counted():
+def test_errors_beyond_fifty_are_counted():
     errors = [problem for problem in read("<link/>" * 1000).diagnostics if problem.level == "error"]
     assert len(errors) == 51
     assert errors[-1].message == "and 950 more errors"
@@ -265,23 +251,20 @@ def test_transmissions_of_all_styles_are_read():
     )
 
 
-def test_a_prefix_without_a_namespace_and_a_comment_do_not_matter():
+def test_prefix_without_a_namespace_and_a_comment_do_not_matter():
     robot = read('<!-- <link name="x"/> --><link name="a"/><controller:plugin/>')
     assert [link.name for link in robot.links] == ["a"]
     assert [diagnostic.code for diagnostic in robot.diagnostics] == ["W-URDF-UNKNOWN"]
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (b"", "empty"),
-        (b"no xml", "line 1"),
-        (b"<robot><link></robot>", "line 1"),
-        (b'<mujoco model="a"/>', "source=mjcf"),
-        (b"<sdf/>", "SDF"),
-        (b'<!DOCTYPE r [<!ENTITY x "y">]><robot name="a"><link name="b"/></robot>', "entities"),
-    ],
-)
+@pytest.mark.parametrize(("text", "words"), [
+    (b"", "empty"),
+    (b"no xml", "line 1"),
+    (b"<robot><link></robot>", "line 1"),
+    (b'<mujoco model="a"/>', "source=mjcf"),
+    (b"<sdf/>", "SDF"),
+    (b'<!DOCTYPE r [<!ENTITY x "y">]><robot name="a"><link name="b"/></robot>', "entities"),
+])  # fmt: skip
 def test_other_files_are_refused(text, words):
     with pytest.raises(SourceError) as caught:
         parse(text, "r.urdf")
@@ -289,7 +272,7 @@ def test_other_files_are_refused(text, words):
     assert caught.value.where == "r.urdf"
 
 
-def test_a_meshs_key_tells_file_scale_and_colour_apart_and_nothing_else():
+def test_key_of_a_mesh_depends_on_file_scale_and_colour_only():
     def key(filename="a/Mesh 1.stl", scale="1 1 1", more=""):
         (shape,) = read(visual(f'<mesh filename="{filename}" scale="{scale}"/>', more)).links[0].visuals
         return mesh_key(shape)

@@ -1,12 +1,14 @@
-"""Which links are next to each other."""
+"""Which links are next to each other, and the smallest trees that connect them, against networkx."""
 
 from dataclasses import replace
 
+import networkx as nx
 import numpy as np
 import pytest
 
 from linkwright.stages.robot.model.robot import MeshRef
 from linkwright.stages.robot.motion.adjacency import adjacent_pairs
+from linkwright.stages.robot.motion.tree_paths import TreePaths
 from tests.support.robots import EVERY, LOOPS, joint, loop, robot_with
 
 HELD = tuple(kind for kind in EVERY if kind != "free")
@@ -72,12 +74,12 @@ def test_links_without_a_collider_are_passed_through(robot, without, expected):
     assert pairs(robot, without) == expected
 
 
-def test_a_rigid_body_collides_where_one_of_its_links_does():
+def test_rigid_body_collides_where_one_of_its_links_does():
     """So neither of two legs is next to the other."""
     assert "base hand" not in pairs(tree(*ARM), "arm")
 
 
-def test_a_single_link_that_is_only_seen_is_passed_through():
+def test_single_link_that_is_only_seen_is_passed_through():
     robot = tree("trunk upper", "upper fore", "fore hand")
 
     def seen(names):
@@ -90,7 +92,7 @@ def test_a_single_link_that_is_only_seen_is_passed_through():
     assert pairs(seen(["upper", "fore"]), "fore") == {"trunk upper", "upper hand"}
 
 
-def test_the_order_of_joints_does_not_matter():
+def test_order_of_joints_does_not_matter():
     loops = [ends("ball", "six", "four"), ends("ball", "three", "six", "second")]
     rows = ("base one", "base two", "base three", "one four fixed", "two five", "five six ball")
     robot = tree(*rows, loops=loops)
@@ -100,3 +102,30 @@ def test_the_order_of_joints_does_not_matter():
     for name in ("five", "two", "one", "three"):
         ours, theirs = ({frozenset(pair.split()) for pair in pairs(r, name)} for r in (robot, other))
         assert ours == theirs
+
+
+def random_tree(seed):
+    """Thirty links, each on any of those before it, by hinges."""
+    random = np.random.default_rng(seed)
+    rows = [joint("revolute", f"l{random.integers(i)}", f"l{i}") for i in range(1, 30)]
+    robot = robot_with(rows, root="l0")
+    return robot, nx.DiGraph((joint.parent, joint.child) for joint in robot.joints)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_tree_of_links_is_the_smallest_that_connects_them(seed):
+    robot, graph = random_tree(seed)
+    names = [link.name for link in robot.links]
+    chosen = np.random.default_rng(seed).choice(names, size=1 + seed % 5, replace=False).tolist()
+    top, joints = TreePaths(robot).tree_of(chosen)
+    meeting = chosen[0]
+    for link in chosen[1:]:
+        meeting = nx.lowest_common_ancestor(graph, meeting, link)
+    between = {edge for link in chosen for edge in nx.utils.pairwise(nx.shortest_path(graph, meeting, link))}
+    assert top == meeting
+    assert {(joint.parent, joint.child) for joint in joints} == between
+    reached = [top, *(joint.child for joint in joints)]
+    assert all(joint.parent in reached[: number + 1] for number, joint in enumerate(joints))
+    for link in names:
+        way = nx.shortest_path(graph, robot.root.name, link)
+        assert [joint.child for joint in TreePaths(robot).up(link)] == way[:0:-1]

@@ -1,9 +1,12 @@
-"""Distances of meshes and depths of convex solids, against closed forms, by each engine that is installed."""
+"""Boxes that meet, distances of meshes and depths of convex solids, by each engine that is installed."""
+
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 from linkwright.stages.robot.contact import clearance
+from linkwright.stages.robot.contact.meeting_boxes import meeting_boxes
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 SQUARES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -66,3 +69,16 @@ def test_the_depth_of_an_edge_in_a_face(engine):
     cube = engine.convex(CUBE, FACES)
     (pose,) = engine.poses(poses([0, 0, 0.5 + half - 0.01], turn=turn))
     assert engine.depth(cube, cube, pose) == pytest.approx(0.01, abs=1e-6)
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 40])
+def test_boxes_that_meet_are_those_of_each_pair(number):
+    rng = np.random.default_rng(5)
+    low = rng.uniform(size=(number, 3))
+    high = low + rng.uniform(0.0, 0.4, size=(number, 3))
+    every = [
+        [first, other]
+        for first, other in combinations(range(number), 2)
+        if (low[first] <= high[other]).all() and (low[other] <= high[first]).all()
+    ]
+    assert meeting_boxes(low, high).tolist() == every

@@ -8,15 +8,11 @@ from linkwright.pipeline import errors
 from linkwright.stages.robot import errors as tree
 
 
-@pytest.mark.parametrize(
-    ("error", "status"),
-    [
-        (errors.ConfigError("x"), 2), (errors.AuthError("x"), 1), (errors.AssemblyError("x"), 1),
-        (errors.OutputError("x"), 1), (errors.CacheError("x"), 1), (errors.ValidationFailed("x"), 3),
-        (KeyboardInterrupt(), 130), (ZeroDivisionError("x"), 1),
-    ],
-    ids=lambda value: type(value).__name__,
-)  # fmt: skip
+@pytest.mark.parametrize(("error", "status"), [
+    (errors.ConfigError("x"), 2), (errors.AuthError("x"), 1), (errors.AssemblyError("x"), 1),
+    (errors.OutputError("x"), 1), (errors.CacheError("x"), 1), (errors.ValidationFailed("x"), 3),
+    (KeyboardInterrupt(), 130), (ZeroDivisionError("x"), 1),
+], ids=lambda value: type(value).__name__)  # fmt: skip
 def test_the_exit_status_of(error, status):
     assert errors.exit_status(error) == status
 

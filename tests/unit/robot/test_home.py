@@ -1,4 +1,4 @@
-"""`home`: the pose nearest to the saved one within limits, relations and loops."""
+"""`home`, the pose nearest to the saved one within limits, relations and loops; mechanisms of loops."""
 
 import math
 from dataclasses import replace
@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from linkwright.stages.robot.model.robot import Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Limits, Relation, frozen
 from linkwright.stages.robot.motion.closing import Closer
+from linkwright.stages.robot.motion.couplings import Couplings
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.loop_groups import LoopGroups
 from linkwright.stages.robot.motion.loops import closing_values, gap, relative_pose
 from linkwright.stages.robot.motion.pose_batch import many_link_poses, repeated
 from linkwright.stages.robot.motion.start_pose import home, nearest, saved
@@ -20,7 +22,7 @@ A, B, C = 0.1, 0.13, 0.12
 """Lengths [m] of a four-bar's crank, coupler and rocker; its base is 0.15 m long."""
 
 
-def four_bar(limits: dict[str, Limits] | None = None, crank: float = 1.1) -> Robot:
+def four_bar(limits=None, crank=1.1):
     """A four-bar in the plane of x and y, closed by a hinge, saved at this angle of its crank."""
     far = np.array([A * math.cos(crank), A * math.sin(crank)]) - [0.15, 0]
     distance = math.hypot(*far)
@@ -44,12 +46,12 @@ def four_bar(limits: dict[str, Limits] | None = None, crank: float = 1.1) -> Rob
     return robot
 
 
-def opening(robot: Robot, q) -> float:
+def opening(robot, q):
     """How far the loop is open [m or rad]."""
     return gap(robot.loops[0], link_poses(robot, q))
 
 
-def reordered(robot: Robot) -> Robot:
+def reordered(robot):
     """The four-bar with its joints and links in another order."""
     drive, pin, swing = robot.joints
     links = {link.name: link for link in robot.links}
@@ -101,7 +103,7 @@ def test_limits_that_no_closed_pose_fulfils_leave_the_loop_open():
     assert opening(robot, home(robot)) > 1e-3
 
 
-def test_a_driver_stops_where_its_follower_does():
+def test_driver_stops_where_its_follower_does():
     joints = [
         joint("revolute", "base", "one", saved=[1.0], limits={"one_joint": Limits(-2.0, 2.0)}),
         joint("revolute", "base", "two", saved=[-2.5], limits={"two_joint": Limits(-1.0, 1.0)}),
@@ -152,3 +154,46 @@ def test_every_type_of_loop_closes_from_near_by(kind):
     for row in range(4):
         q = {name: float(v[row]) if v.ndim == 1 else tuple(v[row]) for name, v in settled.items()}
         assert opening(robot, q) < 1e-6
+
+
+def gears(driver_above):
+    """A loop of `left` and `right`, of which `left` follows a joint that is above both, or beside them."""
+    rows = (("base", "arm", "shoulder"), ("base", "aside", "beside"))
+    rows += (("arm", "left", "to_left"), ("arm", "right", "to_right"))
+    return robot_with(
+        [joint("revolute", above, below, name=name) for above, below, name in rows],
+        loops=[loop("revolute", "left", "right", np.eye(4), np.eye(4))],
+        relations=[Relation("gear", "to_left", "shoulder" if driver_above else "beside", 2.0, 0.0)],
+    )
+
+
+@pytest.mark.parametrize("driver_above", [True, False])
+def test_driver_is_in_the_mechanism_wherever_it_is(driver_above):
+    (mechanism,) = LoopGroups(gears(driver_above)).mechanisms()
+    dofs = {dof.name for joint in mechanism.joints for dof in joint.dofs}
+    assert {name for relation in mechanism.relations for name in (relation.driver, relation.follower)} <= dofs
+    moved = {"shoulder" if driver_above else "beside", "to_right"}
+    assert moved <= set(Closer(mechanism).names)
+
+
+def four_bar_with_a_slide(rng):
+    """A planar four-bar, turned at random, whose crank has a slide across the plane, which cannot move."""
+    turned = pose(rng)
+    joints = [
+        joint("revolute", "base", "crank", name="drive", place=turned),
+        joint("prismatic", "crank", "carriage", name="across"),
+        joint("revolute", "carriage", "coupler", name="pin", place=at(0.1, 0, 0)),
+        joint("revolute", "coupler", "rocker", name="knee", place=at(0, 0.07, 0)),
+    ]
+    askew = pose(rng)
+    askew[:3, 3] = 0.0
+    end = loop("ball", "rocker", "base", at(-0.12, 0, 0) @ askew, turned @ at(-0.02, 0.07, 0) @ askew)
+    return robot_with(joints, loops=[end])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_dof_that_cannot_move_is_not_driven(seed):
+    robot = four_bar_with_a_slide(np.random.default_rng(seed))
+    assert gap(robot.loops[0], link_poses(robot, saved(robot))) < 1e-12
+    couplings = Couplings(robot, repeated(saved(robot), 1))
+    assert couplings.independent(["across", "drive", "pin", "knee"]) == ("drive",)

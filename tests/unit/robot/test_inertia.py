@@ -119,15 +119,12 @@ def test_what_encloses_nothing_is_refused(triangles):
         solid_inertia(np.eye(3), triangles, 1000)
 
 
-@pytest.mark.parametrize(
-    ("kind", "size", "moments", "volume"),
-    [
-        ("box", (0.1, 0.2, 0.4), np.array([0.2, 0.17, 0.05]) / 12, 0.008),
-        ("sphere", (0.2,), [2 / 5 * 0.04] * 3, 4 / 3 * math.pi * 0.008),
-        ("cylinder", (0.2, 0.6), [(3 * 0.04 + 0.36) / 12] * 2 + [0.04 / 2], math.pi * 0.04 * 0.6),
-        ("capsule", (0.2, 0.0), [2 / 5 * 0.04] * 3, 4 / 3 * math.pi * 0.008),
-    ],
-)
+@pytest.mark.parametrize(("kind", "size", "moments", "volume"), [
+    ("box", (0.1, 0.2, 0.4), np.array([0.2, 0.17, 0.05]) / 12, 0.008),
+    ("sphere", (0.2,), [2 / 5 * 0.04] * 3, 4 / 3 * math.pi * 0.008),
+    ("cylinder", (0.2, 0.6), [(3 * 0.04 + 0.36) / 12] * 2 + [0.04 / 2], math.pi * 0.04 * 0.6),
+    ("capsule", (0.2, 0.0), [2 / 5 * 0.04] * 3, 4 / 3 * math.pi * 0.008),
+])  # fmt: skip
 def test_primitives_have_the_textbook_moments(kind, size, moments, volume):
     solid = primitive_inertial(kind, size, 5)
     same(solid, Inertial(5, frozen([0, 0, 0]), frozen(5 * np.diag(moments))), 0.4)

@@ -16,7 +16,7 @@ from tests.support.robots import EVERY, joint, robot_with
 from tests.unit.robot.test_home import four_bar, reordered
 
 
-def uniform(values: np.ndarray) -> bool:
+def is_uniform(values):
     """Whether values may be drawn evenly from 0 to 1."""
     # Here, since only one of the workers has to wait for the import.
     from scipy.stats import kstest
@@ -48,7 +48,7 @@ def test_scalars_are_spread_evenly_over_their_ranges():
     values = sampled(robot_with(joints), 2000)
     for name, (_, _, (low, high)) in ranges.items():
         assert low <= values[name].min() <= values[name].max() <= high, name
-        assert uniform((values[name] - low) / (high - low)), name
+        assert is_uniform((values[name] - low) / (high - low)), name
     assert abs(np.corrcoef(values["limited"], values["slide"])[0, 1]) < 0.1
 
 
@@ -68,11 +68,11 @@ def test_a_ball_fills_its_cone(cone):
     heights, lowest = turns[:, 2, 2], -1.0 if cone is None else math.cos(cone)
     assert (heights >= lowest - 1e-12).all()
     # The height of an even spread over a sphere's cap is even (Archimedes), and so is the twist about it.
-    assert uniform((heights - lowest) / (1 - lowest))
+    assert is_uniform((heights - lowest) / (1 - lowest))
     around = np.arctan2(turns[:, 1, 2], turns[:, 0, 2])
     twists = np.arctan2(turns[:, 1, 0] - turns[:, 0, 1], turns[:, 0, 0] + turns[:, 1, 1])
     for angles in (around, twists):
-        assert uniform(angles / (2 * math.pi) + 0.5)
+        assert is_uniform(angles / (2 * math.pi) + 0.5)
 
 
 def test_followers_follow_and_stay_within_their_limits():

@@ -108,14 +108,11 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
-@pytest.mark.parametrize(
-    "text",
-    [
-        model("", '<asset><mesh file="x.stl"/></asset>'),
-        model("", '<asset><texture file="sub/x.stl"/></asset>'),
-        '<mujoco><include file="x.stl"/></mujoco>',
-    ],
-)
+@pytest.mark.parametrize("text", [
+    model("", '<asset><mesh file="x.stl"/></asset>'),
+    model("", '<asset><texture file="sub/x.stl"/></asset>'),
+    '<mujoco><include file="x.stl"/></mujoco>',
+])  # fmt: skip
 def test_a_file_of_an_mjcf(tmp_path, kind, text):
     made(kind, tmp_path)
     source = MjcfSourceSection(path=str(written(tmp_path, text)))

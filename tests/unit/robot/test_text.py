@@ -15,14 +15,11 @@ from linkwright.stages.robot.text.names import legal, shortest_unique
 from linkwright.stages.robot.text.printable import printable, printable_lines
 
 
-@pytest.mark.parametrize(
-    ("typed", "name"),
-    [
-        ("Upper arm <1>", "upper_arm"), ("Upper arm <2>", "upper_arm_2"), ("Revolute 1", "revolute_1"),
-        ("  KD-D-102L (copy) <1>", "kd_d_102l_copy"), ("Ärmel & Öse", "armel_ose"), ("dof_a&b", "dof_a_b"),
-        ("腕 <1>", ""), ("Left arm", "left_arm"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("typed", "name"), [
+    ("Upper arm <1>", "upper_arm"), ("Upper arm <2>", "upper_arm_2"), ("Revolute 1", "revolute_1"),
+    ("  KD-D-102L (copy) <1>", "kd_d_102l_copy"), ("Ärmel & Öse", "armel_ose"), ("dof_a&b", "dof_a_b"),
+    ("腕 <1>", ""), ("Left arm", "left_arm"),
+])  # fmt: skip
 def test_what_a_designer_types_becomes_a_legal_name(typed, name):
     assert legal(typed) == name
 
@@ -60,18 +57,15 @@ def test_a_message_names_what_is_near_and_all_there_is():
     assert there_are("wheel*", {"frames": []}) == "frames are: none"
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("\x1b[31mred\x1b[0m", r"\u001b[31mred\u001b[0m"), ("\x1b]0;title\x07", r"\u001b]0;title\u0007"),
-        ("\x9b2J\x9d0;t\x9c", r"\u009b2J\u009d0;t\u009c"), ("fine\rforged", r"fine\u000dforged"),
-        ("a\bb\x0bc\x0cd\x7f\x00", r"a\u0008b\u000bc\u000cd\u007f\u0000"),
-        ("\u202egpj.mra\u202c \u2066x\u2069 \u200f\u061c", r"\u202egpj.mra\u202c \u2066x\u2069 \u200f\u061c"),
-        ("ar\u200bm \ufeff\u2060", r"ar\u200bm \ufeff\u2060"),
-        ("a\u2028b\u2029c\x85d", r"a\u2028b\u2029c\u0085d"), ("tag \U000e0041", r"tag \udb40\udc41"),
-        ("\ud800 \uffff", r"\ud800 \uffff"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("text", "shown"), [
+    ("\x1b[31mred\x1b[0m", r"\u001b[31mred\u001b[0m"), ("\x1b]0;title\x07", r"\u001b]0;title\u0007"),
+    ("\x9b2J\x9d0;t\x9c", r"\u009b2J\u009d0;t\u009c"), ("fine\rforged", r"fine\u000dforged"),
+    ("a\bb\x0bc\x0cd\x7f\x00", r"a\u0008b\u000bc\u000cd\u007f\u0000"),
+    ("\u202egpj.mra\u202c \u2066x\u2069 \u200f\u061c", r"\u202egpj.mra\u202c \u2066x\u2069 \u200f\u061c"),
+    ("ar\u200bm \ufeff\u2060", r"ar\u200bm \ufeff\u2060"),
+    ("a\u2028b\u2029c\x85d", r"a\u2028b\u2029c\u0085d"), ("tag \U000e0041", r"tag \udb40\udc41"),
+    ("\ud800 \uffff", r"\ud800 \uffff"),
+])  # fmt: skip
 def test_what_a_terminal_obeys_is_shown_as_its_escape(text, shown):
     assert printable(text) == printable_lines(text) == shown
 
