@@ -175,7 +175,7 @@ def test_each_actuator_is_what_mujoco_compiles_of_it(tmp_path):
         assert value(prim, "gainType", "fixed") == ("fixed", "affine")[model.actuator_gaintype[index]]
         assert value(prim, "biasType", "none") == ("none", "affine")[model.actuator_biastype[index]]
         for kind in ("ctrl", "force", "act"):
-            ends, limited = (getattr(model, f"actuator_{kind}{what}")[index] for what in ("range", "limited"))
+            ends, limited = (getattr(model, f"actuator_{kind}{end}")[index] for end in ("range", "limited"))
             said = [value(prim, f"{kind}Range:{end}") for end in ("min", "max")]
             assert said == (list(ends) if limited else [None, None]), (prim.GetName(), kind)
 

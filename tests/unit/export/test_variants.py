@@ -172,8 +172,8 @@ def test_gains_move_together(kind, gains, column, back):
     assert factor.std() > 0.1
     if back is not None:
         assert (arrays["actuator_biasprm"][:, :, back] == -gain[:, :, 0]).all()
-    others = np.delete(np.arange(gain.shape[2]), column)
-    assert (gain[:, :, others] == nominal.actuator_gainprm[:, others]).all()
+    constant = np.delete(np.arange(gain.shape[2]), column)
+    assert (gain[:, :, constant] == nominal.actuator_gainprm[:, constant]).all()
 
 
 def test_damping_of_a_servo_moves_alone():
@@ -247,9 +247,9 @@ def test_auto_is_by_where_a_value_comes_from():
     }  # fmt: skip
     keys = ("value", "source", "kind")
     table = {name: dict(zip(keys, row, strict=True)) for name, row in values.items()}
-    given = {"two": Inertial(1.0, frozen([0, 0, 0.1]), frozen(np.diag([0.01, 0.01, 0.01])))}
+    inertials = {"two": Inertial(1.0, frozen([0, 0, 0.1]), frozen(np.diag([0.01, 0.01, 0.01])))}
     shares = shares_in(
-        hinges(given=given),
+        hinges(given=inertials),
         motors={"mine": {"title": "Mine", "values": table}},
         actuators={"two_joint": {"motor": "mine"}, "one_joint": "position"},
     )

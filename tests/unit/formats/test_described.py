@@ -109,8 +109,6 @@ SENSING = Sensing(
     (SensorCamera("eye", "link2", frozen(at(0, 1, 1)), 45.0, (640, 480)),),
 )
 PRIMITIVE = Primitive("box", (0.1, 0.2, 0.3), at(0, 0, 0.1))
-
-
 CONTACT = ContactProperties((1, 0.1, 0.01), 4, (0.01, 1), (0.9, 0.95, 0.001, 0.5, 2), 0.001, 3)
 GEOMETRY = Geometry(
     (

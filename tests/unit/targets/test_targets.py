@@ -111,8 +111,8 @@ def test_frames_have_an_inertial_for_pybullet_which_is_told():
     robot = replace(ARM, frames=(Frame("tip", "arm", frozen(np.eye(4)), ""),))
     targets = {"pybullet": {}, "drake": {}}
     none, tiny = ({"urdf": {"frame_inertia": kind}} for kind in ("none", "tiny"))
-    told = messages(robot, target=targets, export=none)
-    assert [text for text, _ in told] == ["export.urdf.frame_inertia: none → tiny"]
+    changed = messages(robot, target=targets, export=none)
+    assert [text for text, _ in changed] == ["export.urdf.frame_inertia: none → tiny"]
     assert messages(robot, target=targets, export=tiny) == messages(ARM, target=targets) == []
     for target, kind in (("pybullet", "tiny"), ("mjx", "none")):
         assert settled(plan_of(target={target: {}}), ARM).export.urdf.frame_inertia == kind
