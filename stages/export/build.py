@@ -30,7 +30,7 @@ from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.text.globs import listed
-from linkwright.stages.targets.diagnostic import replacement
+from linkwright.stages.targets.diagnostic import replacement_diagnostic
 from linkwright.stages.targets.options import REPLACEABLE_ACTUATORS, actuation_of, targets_replacing
 from linkwright.stages.targets.things import dropped_things
 
@@ -138,7 +138,7 @@ def _for_targets(keys: ExportSections, before: Actuation, after: Actuation) -> I
         if changed:
             names = listed(name for name, _ in changed)
             text = f"actuators have another form with the same force, {kind} → {changed[0][1]}: {names}"
-            yield replacement(text, targets_replacing(keys.target.chosen, thing))
+            yield replacement_diagnostic(text, targets_replacing(keys.target.chosen, thing))
 
 
 def _diagnostics(format_files: FormatFiles) -> Iterator[Diagnostic]:

@@ -8,7 +8,7 @@ from linkwright.stages.export.ground.standing import stands_in_source
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.targets.diagnostic import replacement
+from linkwright.stages.targets.diagnostic import replacement_diagnostic
 from linkwright.stages.targets.options import PASSIVE_FLAGS, flags_of, options_of, targets_replacing
 
 if TYPE_CHECKING:
@@ -62,15 +62,19 @@ def changes(keys: "ExportSections", robot: Robot) -> Iterator[Diagnostic]:
             pairs = (f"{key} ({old_values.get(key, 'unset')} → {value})" for key, value in new_values.items())
             first = next(iter(new_values))
             hint = f"target.{name}.{first}=null leaves it, and scene.option comes first"
-            yield replacement(f"MuJoCo's options: {', '.join(pairs)}", [name], hint)
+            yield replacement_diagnostic(f"MuJoCo's options: {', '.join(pairs)}", [name], hint)
     targets = targets_replacing(target.chosen, "solver PGS")
     if targets and old_values.get("solver") == "PGS":
-        yield replacement("MuJoCo's option solver: PGS → Newton, which looks for the same forces", targets)
+        yield replacement_diagnostic(
+            "MuJoCo's option solver: PGS → Newton, which looks for the same forces", targets
+        )
     for name, thing in PASSIVE_FLAGS.items():
         targets = targets_replacing(target.chosen, thing)
         if targets and old_values.get(name) == "enable":
-            yield replacement(f"MuJoCo's flag {name}: enable → left out, which moves nothing", targets)
+            yield replacement_diagnostic(
+                f"MuJoCo's flag {name}: enable → left out, which moves nothing", targets
+            )
     urdf = keys.export.urdf
     targets = targets_replacing(target.chosen, "frames")
     if targets and urdf is not None and urdf.frame_inertia != "tiny" and robot.frames:
-        yield replacement(f"export.urdf.frame_inertia: {urdf.frame_inertia} → tiny", targets)
+        yield replacement_diagnostic(f"export.urdf.frame_inertia: {urdf.frame_inertia} → tiny", targets)

@@ -16,7 +16,7 @@ from linkwright.stages.graph.passes.mobility import with_mobility
 from linkwright.stages.graph.passes.relations import with_relations
 from linkwright.stages.graph.passes.rename import renamed
 from linkwright.stages.graph.passes.semantics import with_semantics
-from linkwright.stages.graph.passes.total_mass import with_total
+from linkwright.stages.graph.passes.total_mass import scale_to_total_mass
 from linkwright.stages.graph.passes.zero_pose import with_zero
 from linkwright.stages.graph.robot_from_tree import place
 from linkwright.stages.graph.section import GraphSections
@@ -40,7 +40,7 @@ def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robo
     robot = with_relations(robot, mechanism.relations, log, keys.relations)
     robot = with_checked_limits(robot, mechanism, keys, log)
     robot = with_given_masses(robot, keys.mass.links, log)
-    robot = with_total(robot, keys.mass.total, log)
+    robot = scale_to_total_mass(robot, keys.mass.total, log)
     check_links(robot, log, mechanism.has_saved_pose)
     robot = with_least_inertias(robot, log)
     robot = with_added_frames(robot, keys.frames.add, log)

@@ -109,6 +109,6 @@ def make_geometry(
     so that renamed links and parts need no new work.
     """
     # Late: the configuration imports this package, but makes no geometry.
-    from linkwright.stages.mesh.geometry import geometry
+    from linkwright.stages.mesh.geometry import build_geometry
 
-    return geometry(robot, bundle, keys, memo, shown)
+    return build_geometry(robot, bundle, keys, memo, shown)

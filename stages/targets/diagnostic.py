@@ -6,12 +6,16 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.targets.engines import ENGINES, ShapeLimits
 
 
-def replacement(change: str, targets: Collection[str], hint: str = "") -> Diagnostic:
-    """Returns the diagnostic of a replacement, with the targets that require it."""
+def replacement_diagnostic(change: str, targets: Collection[str], hint: str = "") -> Diagnostic:
+    """Returns I-TARGET for a replacement.
+
+    `change`: what is replaced by what; `targets`: the targets that require it; `hint`: a hint after the names
+    of the targets, by default that nothing is replaced without them.
+    """
     default_hint = f"without {'it' if len(targets) == 1 else 'them'} this stays as it is"
     return Diagnostic("I-TARGET", change, "target", f"for {', '.join(targets)}; {hint or default_hint}")
 
 
-def targets_limiting(targets: Collection[str], condition: Callable[[ShapeLimits], object]) -> list[str]:
-    """Returns the targets whose shape limits fulfil a condition."""
+def targets_where(targets: Collection[str], condition: Callable[[ShapeLimits], object]) -> list[str]:
+    """Returns the targets for whose shape limits the condition is true."""
     return [name for name in targets if condition(ENGINES[name].shapes)]

@@ -34,7 +34,7 @@ def decompose(surface, tolerance, most_vertices=64, search=DEFAULT):
     if isinstance(made, str):
         raise DecompositionFailed(made)
     cutter = PieceCutter(judge(surface, tolerance), most_vertices)
-    return tuple(map(surface_of, cutter.join(cutter.parts_of(made)).pieces))
+    return tuple(map(surface_of, cutter.join(cutter.prepare(made)).pieces))
 
 
 def cut(surface, tolerance=None, most_vertices=64):

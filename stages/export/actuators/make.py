@@ -14,7 +14,7 @@ from linkwright.stages.export.actuators.loads import Load
 from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, motorized_parameters
 from linkwright.stages.export.actuators.ranges import control_range, with_keyframe_targets
 from linkwright.stages.export.actuators.terms import terms_of
-from linkwright.stages.robot.dynamics.holding_control import can_hold, control_at
+from linkwright.stages.robot.dynamics.holding_control import can_hold, holding_control
 from linkwright.stages.robot.model.actuation import SERVOS, Actuator, ActuatorType, Armature
 from linkwright.stages.robot.model.robot import Dof, Robot, Value
 from linkwright.stages.robot.motion.start_pose import HOME, keyframes
@@ -193,7 +193,7 @@ class ActuatorMaker:
     def _at_home(self, actuator: Actuator) -> Actuator:
         value = self._poses[HOME][actuator.dof]
         assert not isinstance(value, tuple)
-        return replace(actuator, home=control_at(actuator, value, actuator.force_at(HOME)))
+        return replace(actuator, home=holding_control(actuator, value, actuator.force_at(HOME)))
 
 
 def strongest(dof: Dof, force: tuple[float, float] | None, gear: float) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from linkwright.stages.robot.dynamics.holding_control import control_at
+from linkwright.stages.robot.dynamics.holding_control import holding_control
 from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.robot import Dof, Value
 
@@ -38,7 +38,7 @@ def with_keyframe_targets(
     low, high = limits
     for keyframe, value in values.items():
         if not isinstance(value, tuple) and dof.limits.contains(value):
-            target = control_at(actuator, value, actuator.force_at(keyframe))
+            target = holding_control(actuator, value, actuator.force_at(keyframe))
             low, high = min(low, target), max(high, target)
     return low, high
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats.numbers import TURN, number, spaced
 from linkwright.stages.formats.xml import Element, element
-from linkwright.stages.robot.dynamics.holding_control import control_at, state_at
+from linkwright.stages.robot.dynamics.holding_control import holding_control, holding_state
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
 from linkwright.stages.robot.model.robot import Configuration, Sensor
@@ -89,8 +89,8 @@ def keyed_actuators(actuation: Actuation, keyframe: str, values: Configuration) 
     for actuator in actuation.actuators:
         value, force = values[actuator.dof], actuator.force_at(keyframe)
         assert not isinstance(value, tuple), "an actuator drives one turn or slide"
-        control = control_at(actuator, value, force)
-        yield KeyedActuator(actuator.name, control, state_at(actuator, value, force))
+        control = holding_control(actuator, value, force)
+        yield KeyedActuator(actuator.name, control, holding_state(actuator, value, force))
 
 
 def key_attributes(actuators: Sequence[KeyedActuator]) -> dict[str, str | None]:

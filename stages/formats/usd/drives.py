@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.robot.dynamics.holding_control import state_at
+from linkwright.stages.robot.dynamics.holding_control import holding_state
 from linkwright.stages.robot.model.actuation import SERVOS, Actuation, Actuator
 from linkwright.stages.robot.model.robot import Configuration, Dof, Robot, Value
 from linkwright.stages.robot.motion.start_pose import HOME
@@ -85,7 +85,7 @@ def _drive(actuator: Actuator, dof: Dof, value: Value) -> Drive | None:
         assert not isinstance(value, tuple)
         # The control of an intvelocity is a speed: its target is a state.
         target = (
-            state_at(actuator, value, actuator.force_at(HOME))[0]
+            holding_state(actuator, value, actuator.force_at(HOME))[0]
             if actuator.type == "intvelocity"
             else actuator.home
         )

@@ -7,46 +7,60 @@ from linkwright.stages.robot.dynamics.inertia import merged, moved, scaled
 from linkwright.stages.robot.model.robot import Inertial, Link, Robot
 from linkwright.stages.robot.text.plural import count
 
-WHERE = "mass.total"
+_CONFIG_KEY = "mass.total"
 
 
-def with_total(robot: Robot, total: float | None, log: Diagnostics) -> Robot:
-    """Returns the robot with a total mass [kg], by one factor for all estimated masses and their inertias.
+def scale_to_total_mass(robot: Robot, total_mass: float | None, log: Diagnostics) -> Robot:
+    """Scales all estimated masses, and their inertias, by a common factor, so that the robot has `total_mass`
+    [kg].
 
-    Reports the factor (I-MASS-TOTAL), and E-MASS if nothing is estimated, or if the known masses reach the
-    total. An estimate in a link whose mass is given does not count.
+    Reports the factor (I-MASS-TOTAL), and E-MASS if no mass is estimated, or if the known masses reach the
+    total. The estimate of a part does not count if the user gave the mass of its whole link. The robot stays
+    as it is without a total, and if the log already has problems.
     """
-    if total is None or log.problems:
+    if total_mass is None or log.problems:
         return robot
-    guessed = [part for link in robot.links if link.given is None for part in link.parts if part.estimated]
-    guess = sum(part.inertial.mass for part in guessed)
-    certain = sum(link.inertial.mass for link in robot.links) - guess
-    if guess == 0.0:
+    estimated_parts = [
+        part for link in robot.links if link.given is None for part in link.parts if part.estimated
+    ]
+    estimated_mass = sum(part.inertial.mass for part in estimated_parts)
+    known_mass = sum(link.inertial.mass for link in robot.links) - estimated_mass
+    if estimated_mass == 0.0:
         text = (
-            f"the robot weighs {certain:.6g} kg, and no mass is estimated that may be scaled to {total:g} kg"
+            f"the robot weighs {known_mass:.6g} kg, and no mass is estimated that may be scaled to "
+            f"{total_mass:g} kg"
         )
         hint = "correct the masses that are wrong: mass: {parts: {...}, links: {...}}"
-        log.report("E-MASS", text, WHERE, hint)
+        log.report("E-MASS", text, _CONFIG_KEY, hint)
         return robot
-    parts = count(len(guessed), "part")
-    if total <= certain:
-        text = f"{total:g} kg is too little: beside {parts} with estimated masses, it weighs {certain:.6g} kg"
+    parts = count(len(estimated_parts), "part")
+    if total_mass <= known_mass:
+        text = (
+            f"{total_mass:g} kg is too little: without its {parts} of estimated mass, the robot already "
+            f"weighs {known_mass:.6g} kg"
+        )
         hint = "correct the known masses that are too large (mass.parts, mass.links), or the total"
-        log.report("E-MASS", text, WHERE, hint)
+        log.report("E-MASS", text, _CONFIG_KEY, hint)
         return robot
-    factor = (total - certain) / guess
-    change = f"by {factor:.4g}, from {guess:.4g} kg to {total - certain:.4g} kg"
-    log.report("I-MASS-TOTAL", f"the estimated masses of {parts} are scaled {change}", WHERE)
-    # Parts of a kind share an inertial, and go on doing so.
-    inertials = {id(part.inertial): scaled(part.inertial, part.inertial.mass * factor) for part in guessed}
-    return replace(robot, links=tuple(_scale_link(link, inertials) for link in robot.links))
+    factor = (total_mass - known_mass) / estimated_mass
+    change = f"by {factor:.4g}, from {estimated_mass:.4g} kg to {total_mass - known_mass:.4g} kg"
+    log.report("I-MASS-TOTAL", f"the estimated masses of {parts} are scaled {change}", _CONFIG_KEY)
+    # Parts of a kind share one Inertial object. Keyed by its identity, the scaled one is shared, too.
+    scaled_inertials = {
+        id(part.inertial): scaled(part.inertial, part.inertial.mass * factor) for part in estimated_parts
+    }
+    return replace(robot, links=tuple(_scale_link(link, scaled_inertials) for link in robot.links))
 
 
-def _scale_link(link: Link, inertials: dict[int, Inertial]) -> Link:
+def _scale_link(link: Link, scaled_inertials: dict[int, Inertial]) -> Link:
+    """Replaces the inertials of a link's estimated parts, and computes the link's inertial from its parts.
+
+    `scaled_inertials`: identity of a part's inertial → the scaled inertial.
+    """
     if link.given is not None or not any(part.estimated for part in link.parts):
         return link
     parts = tuple(
-        replace(part, inertial=inertials[id(part.inertial)]) if part.estimated else part
+        replace(part, inertial=scaled_inertials[id(part.inertial)]) if part.estimated else part
         for part in link.parts
     )
     inertial = merged([moved(part.inertial, part.link_from_part) for part in parts])

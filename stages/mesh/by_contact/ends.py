@@ -13,7 +13,7 @@ from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.chunk import Chunk, hull_of, hull_surface
-from linkwright.stages.mesh.cut.cutting import cut, cuts
+from linkwright.stages.mesh.cut.cutting import cut_by_plane, cut_costliest
 from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
 from linkwright.stages.robot.model.geometry import Measures
 
@@ -103,7 +103,7 @@ def _cut(
     def halves(chunk: Chunk) -> list[Chunk]:
         return [] if chunk.is_final else _halves(chunk, faces, outside, max_vertices, plane_count)
 
-    for current in cuts(chunks, lambda _: states[-1][0].far, halves):
+    for current in cut_costliest(chunks, lambda _: states[-1][0].far, halves):
         for chunk in current:
             if chunk not in sampled:
                 sampled[chunk] = outside.sampled(chunk.piece)
@@ -144,7 +144,7 @@ def _halves(
     for volume, (normal, height) in planes.ranked(candidates, cloud, roughly):
         if not plane_count or volume >= chunk.volume:
             break
-        sides = [side for side in cut(chunk.surface, normal, height) if len(side.triangles)]
+        sides = [side for side in cut_by_plane(chunk.surface, normal, height) if len(side.triangles)]
         hulls = [hull_surface(side.vertices) for side in sides]
         sides_and_hulls = [(side, hull) for side, hull in zip(sides, hulls, strict=True) if hull is not None]
         if len(sides_and_hulls) < len(sides):

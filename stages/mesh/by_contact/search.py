@@ -14,7 +14,7 @@ from linkwright.stages.formats.meshes.surface import Points, joined
 from linkwright.stages.mesh.by_contact.pair import Numbers, Pair
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.chunk import Chunk, engine_hull, hull_chunk, hull_of
-from linkwright.stages.mesh.cut.cutting import cut
+from linkwright.stages.mesh.cut.cutting import cut_by_plane
 
 _ROUGH_POSES = 20
 """Number of poses in which planes are compared roughly."""
@@ -165,7 +165,7 @@ class PieceSearch:
         for _, (normal, height) in planes.ranked(candidates, chunk.cloud(), roughly)[:_EXACT_PLANES]:
             halves = [
                 hull_chunk(side, self.max_vertices, chunk.collider_index)
-                for side in cut(chunk.surface, normal, height)
+                for side in cut_by_plane(chunk.surface, normal, height)
                 if len(side.triangles)
             ]
             pieces = [half for half in halves if half is not None]

@@ -34,7 +34,7 @@ def merge_across_parts(
     if isinstance(judge, str):
         return Collision(meets=False)
     cutter = PieceCutter(judge, settings.max_vertices)
-    fewer = cutter.join(cutter.parts_of(pieces), len(pieces)).pieces
+    fewer = cutter.join(cutter.prepare(pieces), len(pieces)).pieces
     if len(fewer) > _MAX_SHARE_LEFT * len(pieces):
         return Collision(meets=False)
     measures = judge.measure(fewer)

@@ -15,7 +15,7 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.robot.model.robot import Link, Part, Primitive
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.targets.diagnostic import replacement, targets_limiting
+from linkwright.stages.targets.diagnostic import replacement_diagnostic, targets_where
 from linkwright.stages.targets.engines import shape_limits
 
 if TYPE_CHECKING:
@@ -38,28 +38,30 @@ def reshaped(
     yield from _cylinders(links, [collided for collided, _ in colliders], targets)
     yield from _ellipsoids(colliders, targets)
     limits = shape_limits(targets)
-    smaller = targets_limiting(targets, lambda shapes: shapes.hull is not None)
+    smaller = targets_where(targets, lambda shapes: shapes.hull is not None)
     if limits.hull is not None:
         raw = sum(isinstance(collided.job.choice.settings, RawSettings) for collided, _ in colliders)
         if raw:
             number = count(raw, "collider that is a mesh as it is", "colliders that are meshes as they are")
-            yield replacement(f"{number} → hulls of at most {limits.hull} vertices", smaller)
+            yield replacement_diagnostic(f"{number} → hulls of at most {limits.hull} vertices", smaller)
         capped = _capped(makers, section, limits.hull)
         if capped:
             text = ", ".join(
                 f"{key} ({chosen_count} → {limits.hull})" for key, chosen_count in capped.items()
             )
-            yield replacement(f"hulls and convex pieces have fewer vertices: {text}", smaller)
+            yield replacement_diagnostic(f"hulls and convex pieces have fewer vertices: {text}", smaller)
     stl = [shape for shape in shapes if shape.file is not None and shape.texture is None]
     if limits.obj and section.format != "obj" and section.assets == "files" and stl:
         number = count(len({shape.file for shape in stl}), "mesh", "meshes")
-        yield replacement(f"{number} in STL → OBJ", targets_limiting(targets, lambda shapes: shapes.obj))
+        yield replacement_diagnostic(
+            f"{number} in STL → OBJ", targets_where(targets, lambda shapes: shapes.obj)
+        )
 
 
 def _cylinders(
     links: Sequence[Link], outcomes: Sequence[MadeCollider], targets: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    for_prisms = targets_limiting(targets, lambda shapes: "cylinder" in shapes.without)
+    for_prisms = targets_where(targets, lambda shapes: "cylinder" in shapes.without)
     kinds = [shape.kind for link in links for shape in link.shapes if shape.collision]
     kinds += [
         piece.kind
@@ -73,11 +75,11 @@ def _cylinders(
             f"prisms of {primitives.PRISM_SIDES} sides and the same volume, whose corners stand out by "
             f"{100 * (primitives.PRISM_GROWTH - 1):.1f} % of the radius"
         )
-        yield replacement(f"{number} → {text}", for_prisms)
+        yield replacement_diagnostic(f"{number} → {text}", for_prisms)
 
 
 def _ellipsoids(colliders: Sequence[ColliderWithParts], targets: Sequence[str]) -> Iterator[Diagnostic]:
-    for_hulls = targets_limiting(targets, lambda shapes: "ellipsoid" in shapes.without)
+    for_hulls = targets_where(targets, lambda shapes: "ellipsoid" in shapes.without)
     errors = [
         ellipsoid_error(moved(piece, collided.job.link_from_subject), parts[0])
         for collided, parts in colliders
@@ -88,7 +90,7 @@ def _ellipsoids(colliders: Sequence[ColliderWithParts], targets: Sequence[str]) 
     if for_hulls and errors:
         number = count(len(errors), "collider that is an ellipsoid", "colliders that are ellipsoids")
         text = f"hulls, whose surface is off by at most {100 * max(errors):.1f} % of the radius"
-        yield replacement(f"{number} → {text}", for_hulls)
+        yield replacement_diagnostic(f"{number} → {text}", for_hulls)
 
 
 def ellipsoid_error(hull: Surface, part: Part) -> float:

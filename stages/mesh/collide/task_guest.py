@@ -4,7 +4,11 @@ import pickle
 
 
 def answer(request: bytes) -> bytes:
-    """Returns the reply of a pickled task; an empty request only starts the process, and gets no data."""
+    """Runs the pickled task of a request, and returns its reply as bytes. An empty request, which is sent
+    only to start the process early, has an empty reply."""
+    if not request:
+        return b""
     # Safe: requests come only from the parent process, never from a file.
-    reply: bytes = pickle.loads(request).reply() if request else b""
+    task = pickle.loads(request)
+    reply: bytes = task.reply()
     return reply

@@ -32,7 +32,7 @@ def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider:
     elif isinstance(decomposition, str):
         return hull_collider.with_note(decomposition)
     else:
-        pieces, note = cutter.join(cutter.parts_of(decomposition)).pieces, ""
+        pieces, note = cutter.join(cutter.prepare(decomposition)).pieces, ""
     if not pieces:
         return hull_collider.with_note(note)
     return judge.collision(pieces, judge.measure(pieces), "pieces").with_note(note)

@@ -82,7 +82,7 @@ def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
     """Returns the collider of cut pieces, some of them replaced by primitives. Pieces that miss the tolerance
     are used only if they are so much nearer than the `hull` that they are worth their cost in a simulation;
     otherwise returns the hull, with a note on how near the pieces would be."""
-    pieces = _with_primitives(judge, [*map(surface_of, cut.pieces)]) if cut.near else cut.pieces
+    pieces = _with_primitives(judge, [*map(surface_of, cut.pieces)]) if cut.is_near else cut.pieces
     measures = judge.measure(pieces)
     misses = miss(measures, judge.tolerance)
     if misses <= 1 or hull.measures is None:

@@ -1,4 +1,4 @@
-"""Makes the primitive that fits best."""
+"""Makes the collider of a part from the primitive that fits best."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,8 @@ from linkwright.stages.mesh.fit import allowed, fittest
 
 
 def make(surfaces: Sequence[Surface], settings: PrimitiveSettings) -> Collision:
-    """Makes the primitive, even if it fits badly; no pieces for a flat part."""
+    """Makes the primitive with the smallest error, however large that error is. A flat part has no primitive:
+    its collider has no pieces, and a note."""
     primitive = fittest(joined(surfaces), allowed(settings.limits))
     if primitive is None:
         return Collision(note="it is flat")

@@ -13,7 +13,7 @@ import numpy as np
 import orjson
 
 from linkwright.stages.mesh.contacts.by_source import source_excludes
-from linkwright.stages.mesh.contacts.narrow import Mask, narrowed
+from linkwright.stages.mesh.contacts.narrow import Mask, excluded_shape_pairs
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.contact.exclude_names import Names, excluded_colliders
@@ -186,7 +186,7 @@ def _always(
                 break
         else:
             if count_of(values):
-                yield pair, narrowed(np.stack(touching), labels[pair[0]], labels[pair[1]])
+                yield pair, excluded_shape_pairs(np.stack(touching), labels[pair[0]], labels[pair[1]])
 
 
 def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:

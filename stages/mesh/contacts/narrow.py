@@ -10,46 +10,53 @@ import numpy.typing as npt
 
 Mask = npt.NDArray[np.bool_]
 
-MAX_SHARE_OF_OTHERS = 0.5
-"""Largest share of the poses in which other pieces of two colliders touch, if only the pieces that touch in
-every pose are left out. The teeth of two gears, for example, always touch somewhere, but no two of their
+MAX_OTHER_CONTACT_SHARE = 0.5
+"""Largest share of the poses in which other pieces of two colliders may touch, if only the pieces that touch
+in every pose are excluded. The teeth of two gears, for example, always touch somewhere, but no two of their
 pieces always do."""
 
 
-def narrowed(touching: Mask, first: Sequence[Hashable], second: Sequence[Hashable]) -> Mask:
-    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links are apart in some pose.
+def excluded_shape_pairs(
+    touching: Mask, first_colliders: Sequence[Hashable], second_colliders: Sequence[Hashable]
+) -> Mask:
+    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links are apart in a pose.
 
-    `touching` (poses, m, n): whether each shape of the first link touches each shape of the second. `first`
-    (m), `second` (n): the collider of which each shape is a piece. If two colliders touch in every pose,
-    those of their pieces that touch in every pose are left out if the other pieces are mostly apart, else all
-    pieces. All shapes are left out if the remaining shapes still touch in every pose.
+    `touching` (poses, m, n): whether each shape of the first link touches each shape of the second.
+    `first_colliders` (m), `second_colliders` (n): the collider of which each shape is a piece.
+
+    If two colliders touch in every pose, their pieces that touch in every pose are excluded; all their pieces
+    are, if the other pieces touch in too many poses. If the remaining shapes of the links still touch in
+    every pose, all shapes are excluded.
     """
-    mask = np.zeros(touching.shape[1:], dtype=bool)
-    if not _always(touching):
-        return mask
-    for rows in _groups(first):
-        for columns in _groups(second):
-            block = np.ix_(rows, columns)
-            mask[block] = _narrowed_pieces(touching[:, rows][:, :, columns])
-    return np.ones_like(mask) if _always(touching & ~mask) else mask
+    excluded = np.zeros(touching.shape[1:], dtype=bool)
+    if not _touch_in_every_pose(touching):
+        return excluded
+    for rows in _indices_by_label(first_colliders):
+        for columns in _indices_by_label(second_colliders):
+            excluded[np.ix_(rows, columns)] = _excluded_piece_pairs(touching[:, rows][:, :, columns])
+    return np.ones_like(excluded) if _touch_in_every_pose(touching & ~excluded) else excluded
 
 
-def _narrowed_pieces(touching: Mask) -> Mask:
-    """Returns the pairs of pieces of two colliders that must not collide."""
-    if not _always(touching):
+def _excluded_piece_pairs(touching: Mask) -> Mask:
+    """Returns the pairs of pieces (m, n) of two colliders that must not collide, as `excluded_shape_pairs`
+    chooses them. `touching`: (poses, m, n)."""
+    if not _touch_in_every_pose(touching):
         return np.zeros(touching.shape[1:], dtype=bool)
-    always: Mask = np.logical_and.reduce(touching)
-    rest = (touching & ~always).any(axis=(1, 2))
-    return always if rest.mean() <= MAX_SHARE_OF_OTHERS else np.ones_like(always)
+    always_touching: Mask = np.logical_and.reduce(touching)
+    has_other_contact = (touching & ~always_touching).any(axis=(1, 2))
+    if has_other_contact.mean() <= MAX_OTHER_CONTACT_SHARE:
+        return always_touching
+    return np.ones_like(always_touching)
 
 
-def _always(touching: Mask) -> bool:
-    """Tells whether something touches in every pose; false without poses."""
+def _touch_in_every_pose(touching: Mask) -> bool:
+    """Tells whether at least one pair touches in every pose, the same pair or another; false without poses.
+    `touching`: (poses, m, n)."""
     return len(touching) > 0 and bool(touching.any(axis=(1, 2)).all())
 
 
-def _groups(labels: Sequence[Hashable]) -> list[list[int]]:
-    """Returns for each label the indices that have it."""
+def _indices_by_label(labels: Sequence[Hashable]) -> list[list[int]]:
+    """Returns for each distinct label the indices at which it stands."""
     groups: dict[Hashable, list[int]] = {}
     for index, label in enumerate(labels):
         groups.setdefault(label, []).append(index)

@@ -14,90 +14,117 @@ from linkwright.stages.formats.meshes.surface import Points, Surface, compacted
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 
 P = TypeVar("P")
+"""Type of the pieces that `cut_costliest` cuts."""
 
 
-def slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:
-    """Returns a function that cuts a surface by a plane, normal·x = height, and returns the sides that are
-    not empty. The sides of a closed surface are closed, so that pieces leave no gap where planes meet inside
-    a solid."""
+def make_slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:
+    """Returns a function that cuts the surface by a plane, given its unit normal (3,) and its height [m], and
+    returns the sides that are not empty.
+
+    The sides of a closed surface are closed, so that pieces leave no gap where planes meet inside a solid.
+    """
     body = body_of(surface)
     if body is None:
-        return lambda normal, height: [side for side in cut(surface, normal, height) if len(side.triangles)]
+        return lambda normal, height: [
+            side for side in cut_by_plane(surface, normal, height) if len(side.triangles)
+        ]
     return lambda normal, height: [
         surface_of_body(side) for side in body.split_by_plane(normal, height) if not side.is_empty()
     ]
 
 
-def cuts(
-    pieces: Sequence[P], costs: Callable[[list[P]], Sequence[float]], halves: Callable[[P], list[P]]
+def cut_costliest(
+    pieces: Sequence[P], costs: Callable[[list[P]], Sequence[float]], halve: Callable[[P], list[P]]
 ) -> Iterator[list[P]]:
-    """Yields the pieces; then again and again the pieces after the costliest that can be halved was
-    halved."""
+    """Yields all pieces, first as they are, then after each cut. Each cut replaces the costliest piece that
+    can be halved by its halves; it ends when no piece with a cost above 0 can be halved.
+
+    `costs`: returns the cost of each piece; `halve`: returns the halves of a piece, or nothing.
+    """
     current = [*pieces]
     while True:
         yield current
-        ratings = costs(current)
-        for number in sorted(range(len(current)), key=lambda number: (-ratings[number], number)):
-            if parts := halves(current[number]) if ratings[number] > 0 else []:
-                current = [*current[:number], *parts, *current[number + 1 :]]
+        piece_costs = costs(current)
+        # Of equally costly pieces, the first is cut.
+        for index in sorted(range(len(current)), key=lambda index: (-piece_costs[index], index)):
+            if halves := halve(current[index]) if piece_costs[index] > 0 else []:
+                current = [*current[:index], *halves, *current[index + 1 :]]
                 break
         else:
             return
 
 
-def cut(surface: Surface, normal: Points, height: float) -> tuple[Surface, Surface]:
-    """Returns the two sides of a surface: where normal·x ≤ height, and the rest; normal (3,)."""
+def cut_by_plane(surface: Surface, normal: Points, height: float) -> tuple[Surface, Surface]:
+    """Returns the two sides of a surface: where normal·x ≤ `height`, and the rest. Both stay open at the
+    plane. `normal`: (3,)."""
     points, triangles = surface.vertices, surface.triangles
-    above = points @ normal - height
-    high = (above > 0)[triangles]
-    count = high.sum(axis=1)
-    vertices, below, over = [points], [triangles[count == 0]], [triangles[count == 3]]
+    heights = points @ normal - height
+    is_high = (heights > 0)[triangles]
+    high_count = is_high.sum(axis=1)
+    vertices, low_triangles, high_triangles = (
+        [points],
+        [triangles[high_count == 0]],
+        [triangles[high_count == 3]],
+    )
     vertex_count = len(points)
-    for number, single_side, pair_side in ((1, over, below), (2, below, over)):
-        rows = np.flatnonzero(count == number)
-        corner = (high[rows] if number == 1 else ~high[rows]).argmax(axis=1)
-        order = (corner[:, None] + np.arange(3)) % 3
+    # A plane between the corners of a triangle cuts off its lone corner, as a triangle; the other two corners
+    # keep a quadrilateral, which becomes two triangles.
+    for number, lone_side, pair_side in (
+        (1, high_triangles, low_triangles),
+        (2, low_triangles, high_triangles),
+    ):
+        rows = np.flatnonzero(high_count == number)
+        lone_corner = (is_high[rows] if number == 1 else ~is_high[rows]).argmax(axis=1)
+        # Corners in cyclic order from the lone one, so that the new triangles face as the old one does.
+        order = (lone_corner[:, None] + np.arange(3)) % 3
         lone, first, second = np.take_along_axis(triangles[rows], order, axis=1).T
         for end in (first, second):
-            share = above[lone] / (above[lone] - above[end])
+            share = heights[lone] / (heights[lone] - heights[end])
             vertices.append(points[lone] + share[:, None] * (points[end] - points[lone]))
         to_first, to_second = vertex_count + np.arange(2 * len(rows)).reshape(2, -1)
         vertex_count += 2 * len(rows)
-        single_side.append(np.column_stack([lone, to_first, to_second]))
+        lone_side.append(np.column_stack([lone, to_first, to_second]))
         pair_side.append(np.column_stack([to_first, first, second]))
         pair_side.append(np.column_stack([to_first, second, to_second]))
     all_vertices = np.concatenate(vertices)
-    low_side, high_side = (compacted(Surface(all_vertices, np.concatenate(side))) for side in (below, over))
+    low_side, high_side = (
+        compacted(Surface(all_vertices, np.concatenate(side))) for side in (low_triangles, high_triangles)
+    )
     return low_side, high_side
 
 
 _PLANE_COUNTS = (4, 8)
-"""Numbers of planes through the axis, which give twice as many sectors."""
+"""Numbers of planes through the axis; each plane adds two sectors."""
 
 _MAX_AREA_DIFFERENCE = 0.25
 """Largest difference between the areas of a round part's sectors, as a share of the largest area."""
 
 
-def in_sectors(surface: Surface) -> Iterator[list[Surface]]:
-    """Yields a round surface in 8 sectors, then in 16; yields nothing for other surfaces. A surface is round
-    if its sectors around an axis have similar areas."""
+def cut_into_sectors(surface: Surface) -> Iterator[list[Surface]]:
+    """Yields a round surface in 8 sectors, then in 16; yields nothing for other surfaces.
+
+    A surface is round if its 8 sectors around x, y or z, through the middle of its box, have similar areas.
+    """
     differences = []
     for axis in range(3):
         areas = [sector.area() for sector in _sectors(surface, axis, _PLANE_COUNTS[0])]
-        differences.append(
-            round(1 - min(areas) / max(areas), 3) if len(areas) == 2 * _PLANE_COUNTS[0] else 1.0
-        )
-    if min(differences) <= _MAX_AREA_DIFFERENCE:
-        for count in _PLANE_COUNTS:
-            yield _sectors(surface, differences.index(min(differences)), count)
+        # A sector without surface counts as the largest difference.
+        is_complete = len(areas) == 2 * _PLANE_COUNTS[0]
+        differences.append(round(1 - min(areas) / max(areas), 3) if is_complete else 1.0)
+    least = min(differences)
+    if least <= _MAX_AREA_DIFFERENCE:
+        for plane_count in _PLANE_COUNTS:
+            yield _sectors(surface, differences.index(least), plane_count)
 
 
-def _sectors(surface: Surface, axis: int, count: int) -> list[Surface]:
-    """Cuts a surface by `count` planes that contain the line along an axis through the centre of its box."""
-    middle = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
+def _sectors(surface: Surface, axis: int, plane_count: int) -> list[Surface]:
+    """Cuts a surface by planes at equal angles. The planes contain the line along `axis` (0, 1, 2: x, y, z)
+    through the centre of the surface's box."""
+    centre = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
     first, second = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
     sectors = [surface]
-    for turn in np.pi * np.arange(count) / count:
-        normal = np.cos(turn) * first + np.sin(turn) * second
-        sectors = [side for part in sectors for side in slicer(part)(normal, float(normal @ middle))]
+    for angle in np.pi * np.arange(plane_count) / plane_count:
+        normal = np.cos(angle) * first + np.sin(angle) * second
+        height = float(normal @ centre)
+        sectors = [side for sector in sectors for side in make_slicer(sector)(normal, height)]
     return sectors

@@ -19,7 +19,7 @@ from linkwright.stages.mesh.configuration.decompose_options import Search
 from linkwright.stages.mesh.decompose.seams import grown
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
-from linkwright.stages.mesh.surfaces.inside import Inside
+from linkwright.stages.mesh.surfaces.inside import InsideTest
 from linkwright.stages.mesh.surfaces.snapping import grid, on_grid, snapped
 
 _MAX_HULL_RATIO = 1.002
@@ -104,5 +104,5 @@ def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
 def _intersects_itself(body: Surface) -> bool:
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
     places = (np.indices((_POINTS_PER_SIDE,) * 3).reshape(3, -1).T + 0.5) / _POINTS_PER_SIDE
-    times = Inside.of(body).closed_winding(low + (high - low) * places)
+    times = InsideTest.of(body).closed_winding(low + (high - low) * places)
     return int((times > 1).sum() + (times < 0).sum()) > _MAX_SELF_OVERLAP * int((times != 0).sum())

@@ -23,14 +23,14 @@ import math
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh.fit import balls, capped, kinds
-from linkwright.stages.mesh.fit.kinds import best_within, subject_of
+from linkwright.stages.mesh.fit.kinds import best_fit_within, subject_of
 from linkwright.stages.mesh.fit.outline import outline_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from linkwright.stages.formats.meshes.surface import Surface
-    from linkwright.stages.mesh.fit.kinds import Fitted
+    from linkwright.stages.mesh.fit.kinds import Fit
     from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind
     from linkwright.stages.targets.engines import ShapeLimits
 
@@ -49,7 +49,7 @@ def allowed(limits: ShapeLimits) -> tuple[PrimitiveKind, ...]:
 
 def fits(
     surface: Surface, kinds: Sequence[PrimitiveKind] = CHEAPEST, max_error: float = math.inf
-) -> Iterator[Fitted]:
+) -> Iterator[Fit]:
     """Yields the best fit of each kind, in the given order, if its error is at most `max_error` [m]. A flat
     part has no fits.
 
@@ -58,8 +58,8 @@ def fits(
     """
     subject = subject_of(surface)
     if subject is not None:
-        fitted = (best_within(kind, subject, max_error) for kind in kinds)
-        yield from (fit for fit in fitted if fit)
+        all_fits = (best_fit_within(kind, subject, max_error) for kind in kinds)
+        yield from (fit for fit in all_fits if fit)
 
 
 def fittest(surface: Surface, among: Sequence[PrimitiveKind] = CHEAPEST) -> Primitive | None:
@@ -67,7 +67,7 @@ def fittest(surface: Surface, among: Sequence[PrimitiveKind] = CHEAPEST) -> Prim
     subject = kinds.subject_of(surface)
     if subject is None:
         return None
-    return kinds.first_best([kinds.best_fit(kind, subject) for kind in among], subject.outline).primitive
+    return kinds.first_best_fit([kinds.best_fit(kind, subject) for kind in among], subject.outline).primitive
 
 
 def fit_kind(

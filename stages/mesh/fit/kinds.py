@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,32 +17,34 @@ from linkwright.stages.mesh.fit.score import error, least_error
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
-_EQUAL_ERRORS = 1e-3
-"""Errors count as equal if the larger exceeds the smaller by at most this share of the smaller, plus the
-square of this number times the part's size."""
+_EQUAL_ERROR_SHARE = 1e-3
+"""Two errors count as equal if they differ by at most this share of the smaller error, plus the square of
+this share times the part's size."""
 
 _MAX_AXES = 3
 """Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
 
 _MAX_CLOSE_FITS = 3
-"""Largest number of fits of a kind that are measured finely: from many sample points."""
+"""Largest number of fits of a kind that are measured finely, with many sample points."""
 
 _MAX_CLOSE_ERROR = 4.0
-"""Best coarse error, in default tolerances, from which on only the best fit is measured finely."""
+"""Coarse error of a kind's best fit, in default tolerances, from which on only this fit is measured finely:
+the kind does not suit the part."""
 
-_DECIMALS = 12
-"""Decimals [m] of sizes and positions, so that they do not depend on how a processor rounds."""
+_LENGTH_DECIMALS = 12
+"""Decimals of sizes and positions [m], so that they do not depend on how a processor rounds."""
 
 _MIN_CAPSULE_LENGTH = 0.02
 """Smallest length of a capsule without its caps, in radii."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fitted:
-    """A primitive, and its error [m]: the smallest tolerance that it meets."""
+class Fit:
+    """A primitive that was fitted to a part."""
 
     primitive: Primitive
     error: float
+    """Smallest tolerance [m] that the primitive meets."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +54,7 @@ class RevolutionCircle:
     axis: Floats
     """Unit vector (3,)."""
     centre: Floats
-    """Point on the axis (3,) [m]."""
+    """Point of the axis that is nearest to the origin of the part's frame (3,) [m]."""
     radius: float
     """Distance of the farthest vertex from the axis [m]."""
     median_radius: float
@@ -60,115 +63,129 @@ class RevolutionCircle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A part, with the frames and circles that several kinds of primitives share."""
+    """A part to which primitives are fitted, with candidates that several kinds of primitives share."""
 
     outline: Outline
     frames: Sequence[npt.NDArray[np.float64]]
+    """Frames of boxes (3, 3), with their axes as columns."""
     revolution_circles: Sequence[RevolutionCircle]
+    """Circles of cylinders and capsules."""
 
 
 def subject_of(surface: Surface) -> Subject | None:
-    """Returns the subject of a surface; None if it is flat."""
+    """Prepares a surface to be fitted; returns None if it is flat."""
     outline = outline_of(surface)
     if outline is None:
         return None
-    outlines_across = silhouettes(outline)
-    return Subject(
-        outline, frames(outline, outlines_across), tuple(_revolution_circles(outline, outlines_across))
-    )
+    all_silhouettes = silhouettes(outline)
+    circles = tuple(_revolution_circles(outline, all_silhouettes))
+    return Subject(outline, frames(outline, all_silhouettes), circles)
 
 
-def best_fit(kind: PrimitiveKind, subject: Subject) -> Fitted:
-    """Returns the fit of a kind with the smallest error."""
-    return _refined_best(list(_CANDIDATES[kind](subject)), subject.outline)
+def best_fit(kind: PrimitiveKind, subject: Subject) -> Fit:
+    """Returns the fit of a kind with the smallest error, refined."""
+    return _refine_best(list(_CANDIDATES[kind](subject)), subject.outline)
 
 
-def best_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fitted | None:
-    """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Shapes that
-    certainly have a larger error are skipped."""
-    max_coarse_error = max(max_error, refined_below(subject.outline))
+def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fit | None:
+    """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Candidates that
+    certainly have a larger error are not measured."""
+    # Refining can still reduce errors below `refined_below`.
+    max_least_error = max(max_error, refined_below(subject.outline))
     shapes = [
         shape
         for shape in _CANDIDATES[kind](subject)
-        if least_error(shape, subject.outline) <= max_coarse_error
+        if least_error(shape, subject.outline) <= max_least_error
     ]
-    fit = _refined_best(shapes, subject.outline) if shapes else None
+    fit = _refine_best(shapes, subject.outline) if shapes else None
     return fit if fit and fit.error <= max_error else None
 
 
-def _refined_best(shapes: Sequence[Primitive], outline: Outline) -> Fitted:
-    """Returns the best of at least one shape, refined. Only the best by the coarse error are measured
-    finely."""
-    fits = [Fitted(shape, error(shape, outline, fine=False)) for shape in shapes]
-    fits.sort(key=lambda fit: fit.error)
-    measured_count = _MAX_CLOSE_FITS if fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
-    measured_fits = [Fitted(fit.primitive, error(fit.primitive, outline)) for fit in fits[:measured_count]]
-    first = first_best(measured_fits, outline)
-    return Fitted(*refined(first.primitive, first.error, outline))
+def _refine_best(shapes: Sequence[Primitive], outline: Outline) -> Fit:
+    """Returns the shape with the smallest error, refined; `shapes` has at least one. Only the best shapes by
+    a coarse error are measured finely."""
+    coarse_fits = [Fit(shape, error(shape, outline, fine=False)) for shape in shapes]
+    coarse_fits.sort(key=lambda fit: fit.error)
+    fine_count = _MAX_CLOSE_FITS if coarse_fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
+    fine_fits = [Fit(fit.primitive, error(fit.primitive, outline)) for fit in coarse_fits[:fine_count]]
+    best = first_best_fit(fine_fits, outline)
+    return Fit(*refined(best.primitive, best.error, outline))
 
 
-def first_best(fits: Sequence[Fitted], outline: Outline) -> Fitted:
-    """Returns the first fit whose error equals the smallest error, as `_EQUAL_ERRORS` counts it."""
-    limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERRORS) + _EQUAL_ERRORS**2 * outline.size
+def first_best_fit(fits: Sequence[Fit], outline: Outline) -> Fit:
+    """Returns the first of the fits whose error counts as equal to the smallest (`_EQUAL_ERROR_SHARE`)."""
+    limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERROR_SHARE) + _EQUAL_ERROR_SHARE**2 * outline.size
     return next(fit for fit in fits if fit.error <= limit)
 
 
 def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
-    """Returns a primitive with the lengths `size`; where a length is None, that of the best fit is used. A
-    box is aligned with the part's frame."""
-    fitted = _box(subject.outline, np.eye(3)) if kind == "box" else best_fit(kind, subject).primitive
-    return replace(
-        fitted,
-        size=tuple(
-            fitted_length if given_length is None else given_length
-            for fitted_length, given_length in zip(fitted.size, size, strict=True)
-        ),
+    """Returns the best fit of a kind with the lengths `size` [m], as in `Primitive.size`; a length that is
+    None stays that of the fit. A box is aligned with the part's frame."""
+    primitive = _box(subject.outline, np.eye(3)) if kind == "box" else best_fit(kind, subject).primitive
+    lengths = (
+        fit_length if length is None else length
+        for fit_length, length in zip(primitive.size, size, strict=True)
     )
+    return replace(primitive, size=tuple(lengths))
 
 
 def _boxes(subject: Subject) -> Iterator[Primitive]:
+    """Yields two boxes for each frame: one around the part, and one that also leaves it bare."""
     for frame in subject.frames:
         yield _box(subject.outline, frame)
         yield _box(subject.outline, frame, balanced=True)
 
 
 def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = False) -> Primitive:
-    """Returns the box of a part with these axes. `balanced`: whether it protrudes from the part as far as it
-    leaves the part bare."""
-    heights = outline.corners @ frame
-    sides = np.array([heights.min(axis=0), heights.max(axis=0)])
+    """Returns the smallest box around a part with the axes of `frame` (3, 3). `balanced`: the box protrudes
+    from the part as far as it leaves the part bare."""
+    coordinates = outline.corners @ frame
+    low, high = coordinates.min(axis=0), coordinates.max(axis=0)
     if balanced:
-        ends = [_ends(outline, frame[:, axis], sides[0, axis], sides[1, axis]) for axis in range(3)]
-        sides = np.transpose(ends)
-    return _primitive("box", sides[1] - sides[0], frame, frame @ sides.mean(axis=0))
+        ends = [_balanced_ends(outline, frame[:, axis], low[axis], high[axis]) for axis in range(3)]
+        low, high = np.transpose(ends)
+    return _primitive("box", high - low, frame, frame @ np.array([low, high]).mean(axis=0))
 
 
-def _ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[float, float]:
-    """Returns the two ends along `axis` of a primitive that protrudes from the part as far as it leaves the
-    part bare. Each end is half-way between the outermost point (`low`, `high`) and the median height of the
-    faces on that side."""
+def _balanced_ends(outline: Outline, axis: Floats, low: float, high: float) -> tuple[float, float]:
+    """Returns the two ends along `axis` [m] of a primitive that protrudes from the part as far as it leaves
+    the part bare. Each end is half-way between the outermost point (`low`, `high`) and the median height of
+    the faces on that side."""
     depth = high - low
-    below = (levels.face_height(outline, -axis, -low, depth) - low) / 2
-    above = (levels.face_height(outline, axis, high, depth) + high) / 2
-    return -below, above
+    # The lower end is the upper end along the opposite axis.
+    lower_end = (levels.face_height(outline, -axis, -low, depth) - low) / 2
+    upper_end = (levels.face_height(outline, axis, high, depth) + high) / 2
+    return -lower_end, upper_end
+
+
+class _EnclosingCylinder(NamedTuple):
+    """The smallest cylinder around a part along an axis."""
+
+    silhouette: Silhouette
+    """Silhouette of the part along the axis."""
+    centre: Floats
+    """Centre of the silhouette's smallest circle, along its `u` and `v` (2,) [m]."""
+    radius: float
+
+    @property
+    def relative_volume(self) -> float:
+        """Volume over π [m³]."""
+        return self.radius * self.radius * (self.silhouette.high - self.silhouette.low)
 
 
 def _revolution_circles(
-    outline: Outline, outlines_across: Sequence[Silhouette]
+    outline: Outline, all_silhouettes: Sequence[Silhouette]
 ) -> Iterator[RevolutionCircle]:
-    """Yields circles around the axes of the smallest cylinders: the smallest circle, and the circle by the
-    normals."""
-    smallest_circles = []
-    for silhouette in outlines_across:
-        centre, radius = smallest_ball(silhouette.ring)
-        volume = radius * radius * (silhouette.high - silhouette.low)
-        smallest_circles.append((volume, silhouette, centre, radius))
-    smallest_circles.sort(key=lambda row: row[0])
-    for _, silhouette, centre, radius in smallest_circles[:_MAX_AXES]:
-        point = centre[0] * silhouette.u + centre[1] * silhouette.v
-        yield RevolutionCircle(
-            silhouette.axis, point, radius, levels.median_radius(outline, point, silhouette.axis, radius)
-        )
+    """Yields two circles for each axis of the smallest cylinders: the smallest circle around the part, and
+    the circle around the centre of its normals, if they have a common centre."""
+    cylinders = [
+        _EnclosingCylinder(silhouette, *smallest_ball(silhouette.ring)) for silhouette in all_silhouettes
+    ]
+    cylinders.sort(key=lambda cylinder: cylinder.relative_volume)
+    for silhouette, (u, v), radius in cylinders[:_MAX_AXES]:
+        point = u * silhouette.u + v * silhouette.v
+        median_radius = levels.median_radius(outline, point, silhouette.axis, radius)
+        yield RevolutionCircle(silhouette.axis, point, radius, median_radius)
         normal_circle = _circle_by_normals(outline, silhouette, point, radius)
         if normal_circle is not None:
             yield normal_circle
@@ -177,60 +194,65 @@ def _revolution_circles(
 def _circle_by_normals(
     outline: Outline, silhouette: Silhouette, point: Floats, radius: float
 ) -> RevolutionCircle | None:
-    """Returns the circle around the centre to which the surface's normals point; None if they have no common
-    centre. `point`, `radius`: the smallest circle."""
+    """Returns the circle around the point on which the lines of the surface's normals meet; None if they do
+    not meet. `point` (3,), `radius` [m]: the smallest circle around the part."""
     axis = silhouette.axis
     centre = levels.revolution_centre(outline, axis, point, radius)
     if centre is None:
         return None
+    # The normals do not determine the height along the axis, which is set to 0.
     centre = centre - axis * float(centre @ axis)
-    farthest = float(
-        np.hypot(
-            silhouette.ring[:, 0] - centre @ silhouette.u, silhouette.ring[:, 1] - centre @ silhouette.v
-        ).max()
-    )
-    return RevolutionCircle(axis, centre, farthest, levels.median_radius(outline, centre, axis, farthest))
+    u_offsets = silhouette.ring[:, 0] - centre @ silhouette.u
+    v_offsets = silhouette.ring[:, 1] - centre @ silhouette.v
+    radius = float(np.hypot(u_offsets, v_offsets).max())
+    return RevolutionCircle(axis, centre, radius, levels.median_radius(outline, centre, axis, radius))
 
 
 def _cylinders(subject: Subject) -> Iterator[Primitive]:
+    """Yields two cylinders for each circle: one around the part, and one that also leaves it bare."""
     for circle in subject.revolution_circles:
         heights = subject.outline.corners @ circle.axis
         low, high = float(heights.min()), float(heights.max())
         yield _solid_of_revolution("cylinder", circle, circle.radius, low, high)
-        low, high = _ends(subject.outline, circle.axis, low, high)
+        low, high = _balanced_ends(subject.outline, circle.axis, low, high)
         yield _solid_of_revolution("cylinder", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
 def _capsules(subject: Subject) -> Iterator[Primitive]:
+    """Yields two capsules for each circle: one around the part, and a thinner one of the same length."""
     for circle in subject.revolution_circles:
         offsets = subject.outline.corners - circle.centre
         heights = offsets @ circle.axis
-        widths = np.linalg.norm(offsets - np.outer(heights, circle.axis), axis=1)
+        axis_distances = np.linalg.norm(offsets - np.outer(heights, circle.axis), axis=1)
         # Each vertex may be at most `radius` from the segment between the centres of the caps.
-        caps = np.sqrt(np.maximum(circle.radius**2 - widths**2, 0.0))
-        low, high = float((heights + caps).min()), float((heights - caps).max())
-        if high - low < _MIN_CAPSULE_LENGTH * circle.radius:
-            middle, half = float(heights.min() + heights.max()) / 2, _MIN_CAPSULE_LENGTH * circle.radius / 2
-            low, high = middle - half, middle + half
+        cap_heights = np.sqrt(np.maximum(circle.radius**2 - axis_distances**2, 0.0))
+        low, high = float((heights + cap_heights).min()), float((heights - cap_heights).max())
+        least_length = _MIN_CAPSULE_LENGTH * circle.radius
+        if high - low < least_length:
+            middle = float(heights.min() + heights.max()) / 2
+            low, high = middle - least_length / 2, middle + least_length / 2
         yield _solid_of_revolution("capsule", circle, circle.radius, low, high)
         yield _solid_of_revolution("capsule", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
 def _spheres(subject: Subject) -> Iterator[Primitive]:
+    """Yields two spheres, one around the part and a smaller one, for each centre: that of the smallest ball,
+    and that of the surface's normals, if they have a common centre."""
     corners = subject.outline.corners
-    centre, radius = smallest_ball(corners)
-    second_centre = levels.revolution_centre(subject.outline, None, centre, radius)
-    for point in [centre] if second_centre is None else [centre, second_centre]:
-        farthest = float(np.linalg.norm(corners - point, axis=1).max())
-        median_radius = levels.median_radius(subject.outline, point, None, farthest)
-        yield _primitive("sphere", [farthest], np.eye(3), point)
-        yield _primitive("sphere", [(farthest + median_radius) / 2], np.eye(3), point)
+    ball_centre, ball_radius = smallest_ball(corners)
+    normal_centre = levels.revolution_centre(subject.outline, None, ball_centre, ball_radius)
+    for centre in [ball_centre] if normal_centre is None else [ball_centre, normal_centre]:
+        radius = float(np.linalg.norm(corners - centre, axis=1).max())
+        median_radius = levels.median_radius(subject.outline, centre, None, radius)
+        yield _primitive("sphere", [radius], np.eye(3), centre)
+        yield _primitive("sphere", [(radius + median_radius) / 2], np.eye(3), centre)
 
 
 def _solid_of_revolution(
     kind: PrimitiveKind, circle: RevolutionCircle, radius: float, low: float, high: float
 ) -> Primitive:
-    """Returns a cylinder or capsule between two heights along its axis."""
+    """Returns a cylinder or capsule around a circle's axis. `low`, `high`: its ends along the axis [m], from
+    the circle's centre; of a capsule, the centres of its caps."""
     frame = np.stack([*across(circle.axis), circle.axis], axis=1)
     return _primitive(kind, [radius, high - low], frame, circle.centre + circle.axis * (low + high) / 2)
 
@@ -238,8 +260,11 @@ def _solid_of_revolution(
 def _primitive(
     kind: PrimitiveKind, size: Sequence[float] | Floats, frame: npt.NDArray[np.float64], centre: Floats
 ) -> Primitive:
-    lengths = tuple(round(float(length), _DECIMALS) for length in size)
-    return Primitive(kind, lengths, frozen(from_parts(frame, np.round(centre, _DECIMALS) + 0.0)))
+    """Returns a primitive with rounded size and position. `frame`: its axes as columns (3, 3)."""
+    lengths = tuple(round(float(length), _LENGTH_DECIMALS) for length in size)
+    # Adding 0 turns -0 into 0.
+    position = np.round(centre, _LENGTH_DECIMALS) + 0.0
+    return Primitive(kind, lengths, frozen(from_parts(frame, position)))
 
 
 _CANDIDATES: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = {
@@ -248,4 +273,4 @@ _CANDIDATES: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = 
     "box": _boxes,
     "cylinder": _cylinders,
 }
-"""Kind of primitive → a function that yields shapes, of which the best is chosen."""
+"""Kind of primitive → function that yields the candidates among which the best fit is chosen."""

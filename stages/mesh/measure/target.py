@@ -11,7 +11,7 @@ from linkwright.stages.mesh.measure.tree import BoxTree, Nearest
 from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.measure.volumes import Cloud, Shares, Solid
 from linkwright.stages.mesh.surfaces.clean import clean
-from linkwright.stages.mesh.surfaces.inside import Inside
+from linkwright.stages.mesh.surfaces.inside import InsideTest
 from linkwright.stages.mesh.surfaces.shells import Shells
 
 SAMPLE_COUNT = 3000
@@ -43,7 +43,7 @@ class Target:
     """Triangles of the part."""
     nearest: Nearest
     """Distances from the surface."""
-    inside: Inside
+    inside: InsideTest
     """Test whether points are inside."""
     samples: Samples
     """Points spread evenly over the surface."""
@@ -78,7 +78,7 @@ class Target:
             solid.volume if solid else surface.volume(),
             tree,
             Nearest.of(tree),
-            Inside.of(surface),
+            InsideTest.of(surface),
             evenly_spread(tree.corners, SAMPLE_COUNT),
             one_per_cell(Surface(used_vertices, surface.triangles), _GRID_SHARE * diagonal),
             solid,

@@ -10,7 +10,7 @@ from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.tree import Numbers, split
 from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.surfaces.booleans import body_of
-from linkwright.stages.mesh.surfaces.inside import Inside
+from linkwright.stages.mesh.surfaces.inside import InsideTest
 from linkwright.stages.robot.model.geometry import By
 
 _POINT_COUNT = 1 << 13  # in the box of a part
@@ -71,7 +71,7 @@ class Cloud:
     """Corners of the box (3,) [m]."""
 
     @staticmethod
-    def of(surface: Surface, inside: Inside) -> "Cloud":
+    def of(surface: Surface, inside: InsideTest) -> "Cloud":
         """Spreads points through the box of a surface."""
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         steps = np.arange(_POINT_COUNT)[:, None]

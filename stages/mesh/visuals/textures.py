@@ -28,5 +28,5 @@ def with_material_files(shape: Shape, file: str, data: bytes) -> dict[str, bytes
     material = shape.texture.removesuffix(IMAGE_SUFFIX)
     return {
         file: obj.with_material(data, f"{stem}.mtl", material),
-        f"{stem}.mtl": obj.library(material, shape.colour or NEUTRAL, shape.texture),
+        f"{stem}.mtl": obj.write_material(material, shape.colour or NEUTRAL, shape.texture),
     }

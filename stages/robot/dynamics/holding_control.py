@@ -2,129 +2,158 @@
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from linkwright.stages.robot.model.actuation import Actuator
 
 _FILTERS = ("filter", "filterexact")
-"""Dynamics whose state follows the control: at rest it is the control."""
+"""Values of `dyntype` with which the state follows the control: at rest, both are equal."""
 
 
-def control_at(actuator: Actuator, value: float, force: float) -> float:
-    """Returns the control for which the actuator makes the `force` [N m or N] at its dof, at rest with the
-    dof at `value`, within the control range: for a servo a target beyond the value, by its sag under that
-    force.
+class _AffineForce(NamedTuple):
+    """The force of an actuator at rest: gain · input + b0 + b1 · length, in MuJoCo's terms.
 
-    The force is gain · control + b₀ + b₁ · length + b₂ · speed; at rest a filter's state is its control. An
-    actuator whose control moves its state in another way, a servo of speed, a damper, or an actuator of a
-    kind that has no such form, rests at 0.
+    The input is the control, or the state if there is one; length is gear times the value of the dof.
     """
-    gain, b0, b1 = _affine(actuator)
+
+    gain: float = 0.0
+    b0: float = 0.0
+    b1: float = 0.0
+
+
+_NOT_AFFINE = _AffineForce()
+"""The value for a force that has no such form, or that the control does not set."""
+
+
+def holding_control(actuator: Actuator, value: float, force: float) -> float:
+    """Returns the control with which an actuator holds its dof at rest at `value` [rad or m], with the force
+    `force` [N m or N] at the dof. The control is within the actuator's control range.
+
+    The control of a position servo is beyond the value, by the servo's sag under the force. The control is 0
+    for a velocity servo, for a damper, if the control changes the state without being equal to it at rest,
+    and if the force does not have the form of `_AffineForce`.
+    """
+    gain, b0, b1 = _force_by_control(actuator)
     control = 0.0
     if gain:
         actuator_force = 0.0 if actuator.type == "velocity" else force / actuator.gear
-        actuator_force -= _gain_of_integral(actuator) * _integral(actuator, force)
+        actuator_force -= _integral_gain(actuator) * _integral(actuator, force)
         control = (actuator_force - b0 - b1 * actuator.gear * value) / gain
     if actuator.control is not None:
         control = min(max(control, actuator.control[0]), actuator.control[1])
-    return control + 0.0
+    return control + 0.0  # -0 becomes 0
 
 
 def can_hold(actuator: Actuator) -> bool:
-    """Returns whether a control or a state of the actuator makes it hold a force at rest."""
+    """Tells whether an actuator can make a force at rest, by its control or its state."""
     if actuator.type == "velocity":
         return False
-    _, _, stiffness = _affine_terms(dict(actuator.terms))
-    return actuator.type == "intvelocity" or _affine(actuator)[0] != 0.0 or stiffness != 0.0
+    if actuator.type == "intvelocity" or _force_by_control(actuator).gain:
+        return True
+    # A spring holds without a control.
+    return _general_force(dict(actuator.terms)).b1 != 0.0
 
 
-def state_at(actuator: Actuator, value: float, force: float) -> tuple[float, ...]:
-    """Returns the activations with which the actuator makes the `force` at its dof, at rest with the dof at
-    `value`. There are as many as MuJoCo has for it: the target if it is a state, the integral of a pid, else
-    0."""
+def holding_state(actuator: Actuator, value: float, force: float) -> tuple[float, ...]:
+    """Returns the activations with which an actuator holds its dof at rest at `value` [rad or m] with the
+    force `force` [N m or N] at the dof.
+
+    There are as many as MuJoCo has for the actuator: a target that is a state, the integral of a pid, and 0
+    for all others.
+    """
     terms = dict(actuator.terms)
     if actuator.type == "intvelocity":
         sag = force / (actuator.gear * actuator.kp) if actuator.kp else 0.0
         return (actuator.gear * value + sag,)
     if actuator.type == "pid":
-        target = (control_at(actuator, value, force),) if "slewmax" in terms else ()
-        return (*target, *((_integral(actuator, force),) if "ki" in terms else ()))
+        # With a largest speed of the target (slewmax), the target is a state, too.
+        target = (holding_control(actuator, value, force),) if "slewmax" in terms else ()
+        integral = (_integral(actuator, force),) if "ki" in terms else ()
+        return (*target, *integral)
     if actuator.type == "dcmotor":
+        # The current, the temperature and the bristles of the friction are states if they are modelled.
         return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
     dynamics = terms.get("dyntype", "none")
     if dynamics == "none":
         return ()
     if dynamics in _FILTERS:
-        return (control_at(actuator, value, force),)
+        return (holding_control(actuator, value, force),)
     if dynamics == "integrator":
         # A file may write an intvelocity in this form.
-        gain, b0, b1 = _affine_terms(terms)
+        gain, b0, b1 = _general_force(terms)
         actuator_force = force / actuator.gear - b0 - b1 * actuator.gear * value
         return (actuator_force / gain if gain and b1 else 0.0,)
     return (0.0,) * int(terms.get("actdim", "1"))
 
 
-def _gain_of_integral(actuator: Actuator) -> float:
-    """Returns the force [N m or N] of a pid for each unit of its integral."""
+def _integral_gain(actuator: Actuator) -> float:
+    """Returns the force [N m or N] of a pid for each unit of its integral; 0 for other actuators."""
     return float(dict(actuator.terms).get("ki", 0.0)) if actuator.type == "pid" else 0.0
 
 
 def _integral(actuator: Actuator, force: float) -> float:
-    """Returns the integral of the error [rad s or m s] with which a pid makes a force at its dof, up to its
-    limit."""
-    gain = _gain_of_integral(actuator)
+    """Returns the integral of the error [rad s or m s] with which a pid makes a force at its dof, up to the
+    limit of the integral; 0 for other actuators."""
+    gain = _integral_gain(actuator)
     limit = float(dict(actuator.terms).get("imax", math.inf))
     return min(max(force / (actuator.gear * gain), -limit), limit) if gain else 0.0
 
 
-def _affine(actuator: Actuator) -> tuple[float, float, float]:
-    """Returns gain, b₀ and b₁ of the force; gain 0 if the force has no such form."""
+def _force_by_control(actuator: Actuator) -> _AffineForce:
+    """Returns the force as a function of the control, without the integral of a pid; `_NOT_AFFINE` if the
+    control does not set the force."""
     if actuator.type == "motor":
-        return 1.0, 0.0, 0.0
+        return _AffineForce(1.0)
     if actuator.type in ("position", "pid"):
         kp = actuator.kp or 0.0
-        return kp, 0.0, -kp
+        return _AffineForce(kp, 0.0, -kp)
     if actuator.type == "velocity":
-        return actuator.kv or 0.0, 0.0, 0.0
+        return _AffineForce(actuator.kv or 0.0)
     if actuator.type == "dcmotor":
-        return torque_per_volt(actuator), 0.0, 0.0
-    if actuator.type != "general":
-        return 0.0, 0.0, 0.0
+        return _AffineForce(torque_per_volt(actuator))
     terms = dict(actuator.terms)
-    return _affine_terms(terms) if terms.get("dyntype", "none") in ("none", *_FILTERS) else (0.0, 0.0, 0.0)
+    if actuator.type == "general" and terms.get("dyntype", "none") in ("none", *_FILTERS):
+        return _general_force(terms)
+    return _NOT_AFFINE
 
 
-def _affine_terms(terms: Mapping[str, str]) -> tuple[float, float, float]:
-    """Returns the gain, b₀ and b₁ by MuJoCo's own parameters, where the gain multiplies the control or the
-    state."""
+def _general_force(terms: Mapping[str, str]) -> _AffineForce:
+    """Returns the force by MuJoCo's own parameters of an actuator; `_NOT_AFFINE` if its gain is not fixed."""
     if terms.get("gaintype", "fixed") != "fixed":
-        return 0.0, 0.0, 0.0
+        return _NOT_AFFINE
     gain = _numbers(terms, "gainprm", (1.0,))[0]
     if terms.get("biastype", "none") != "affine":
-        return gain, 0.0, 0.0
+        return _AffineForce(gain)
+    # MuJoCo takes 0 for parameters that are missing at the end.
     b0, b1 = (*_numbers(terms, "biasprm", ()), 0.0, 0.0)[:2]
-    return gain, b0, b1
+    return _AffineForce(gain, b0, b1)
 
 
 def torque_per_volt(actuator: Actuator) -> float:
     """Returns the torque per volt [N m/V] of a DC motor at rest, before the gear: the motor constant over the
-    resistance, or stall torque over the voltage. With two constants MuJoCo takes their geometric mean."""
+    resistance, or the stall torque over the voltage if the motor has nominal values."""
     terms = dict(actuator.terms)
     if "nominal" in terms:
-        voltage, stall, _ = _numbers(terms, "nominal", ())
-        return stall / voltage
+        voltage, stall_torque, _ = _numbers(terms, "nominal", ())
+        return stall_torque / voltage
     return volts_per_speed(actuator) / float(terms["resistance"])
 
 
 def volts_per_speed(actuator: Actuator) -> float:
-    """Returns the constant of a DC motor: the voltage that its turning takes [V s/rad], before the gear; the
-    same number as its torque per current [N m/A]."""
+    """Returns the motor constant of a DC motor, before the gear: the voltage that it induces per speed [V
+    s/rad]; the same number is its torque per current [N m/A].
+
+    With nominal values, it is the voltage over the speed without load. If the file has both constants, MuJoCo
+    takes their geometric mean.
+    """
     terms = dict(actuator.terms)
     if "nominal" in terms:
-        voltage, _, speed = _numbers(terms, "nominal", ())
-        return voltage / speed
+        voltage, _, no_load_speed = _numbers(terms, "nominal", ())
+        return voltage / no_load_speed
     constants = _numbers(terms, "motorconst", ())
     return math.prod(constants) ** (1 / len(constants))
 
 
 def _numbers(terms: Mapping[str, str], name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+    """Returns the numbers of an attribute, `default` if it is missing."""
     return tuple(float(number) for number in terms[name].split()) if name in terms else default

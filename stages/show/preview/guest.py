@@ -11,7 +11,7 @@ import numpy as np
 from linkwright.stages.formats import png
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.show.preview import PICTURE, SMALL
-from linkwright.stages.show.preview.drawing.painting import picture
+from linkwright.stages.show.preview.drawing.painting import draw_picture
 from linkwright.stages.show.preview.drawing.pixels import reduced
 from linkwright.stages.show.preview.drawing.studio import LitRobot, studio
 from linkwright.stages.show.preview.look import unpacked
@@ -48,7 +48,7 @@ def scene(request: bytes) -> LitRobot:
 
 def pictures(robot: LitRobot) -> dict[str, bytes]:
     """Returns the picture of a robot and a small picture, by name."""
-    large = picture(robot, *SIZE)
+    large = draw_picture(robot, *SIZE)
     return {PICTURE: png.encode(large), SMALL: _small(large)}
 
 

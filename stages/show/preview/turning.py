@@ -3,7 +3,7 @@
 import math
 
 from linkwright.stages.show.preview import TURN
-from linkwright.stages.show.preview.drawing.painting import picture
+from linkwright.stages.show.preview.drawing.painting import draw_picture
 from linkwright.stages.show.preview.drawing.studio import LitRobot, swept, turned_by
 from linkwright.stages.show.preview.guest import pictures, reply, scene
 from linkwright.stages.show.preview.webp import encode
@@ -26,4 +26,4 @@ def _turn(robot: LitRobot) -> bytes:
     """Returns a WebP with a full turn of the robot, in a loop."""
     framed = swept(robot)
     angles = [2 * math.pi * frame / FRAMES for frame in range(FRAMES)]
-    return encode([picture(turned_by(robot, angle), *SIZE, framed=framed) for angle in angles], FRAME)
+    return encode([draw_picture(turned_by(robot, angle), *SIZE, points=framed) for angle in angles], FRAME)

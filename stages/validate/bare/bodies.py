@@ -7,7 +7,7 @@ import numpy as np
 from linkwright.stages.robot.check import CheckLevel, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
-from linkwright.stages.validate.bare.findings import Coded
+from linkwright.stages.validate.bare.findings import CodedFinding
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.body_shapes import directions
 from linkwright.stages.validate.model.inertials import MAX_MARKER_SIZE, STAND_IN, ShapedInertial
@@ -37,7 +37,7 @@ def colliders(lumps: Sequence[Lump]) -> tuple[CheckLevel, list[Finding]]:
     return level, [finding for _, finding in sorted(misplaced, key=lambda row: not row[0])]
 
 
-def weightless(lumps: Sequence[Lump]) -> Iterator[Coded]:
+def weightless(lumps: Sequence[Lump]) -> Iterator[CodedFinding]:
     """Yields the bodies of a URDF that move although neither they nor the bodies that they carry have a mass:
     no engine can move these."""
     holders = {body.name: lump.body.name for lump in lumps for body, _ in lump.members}

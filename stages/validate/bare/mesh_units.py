@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, reach
-from linkwright.stages.validate.bare.findings import Coded
+from linkwright.stages.validate.bare.findings import CodedFinding
 
 MAX_REACHES = 30.0
 """A mesh is taken to be in millimetres if it is at least this many times as large as the robot's reach."""
@@ -16,7 +16,7 @@ _MIN_REACH = 1e-3
 """Reach [m] below which a robot's size says nothing about its meshes."""
 
 
-def check(bodies: Sequence[WeighedBody]) -> Iterator[Coded]:
+def check(bodies: Sequence[WeighedBody]) -> Iterator[CodedFinding]:
     """Yields a single finding for each mesh that is probably in millimetres, even if several shapes use
     it."""
     robot_reach = reach(bodies)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.validate.bare.findings import Coded, number, numbers
+from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
 from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
 from linkwright.stages.validate.bare.mjcf_defaults import Defaults
 from linkwright.stages.validate.model.inertials import STAND_IN
@@ -15,7 +15,7 @@ from linkwright.stages.validate.reading.documents import ModelDocument
 _RESISTANCES = ("damping", "frictionloss", "armature", "stiffness")
 
 
-def check(document: ModelDocument) -> Iterator[Coded]:
+def check(document: ModelDocument) -> Iterator[CodedFinding]:
     """Judges directions, ranges, resistances, masses and inertias below the world, and actuators."""
     defaults = Defaults(document.root)
     degrees = degrees_of(document)
@@ -42,8 +42,8 @@ def degrees_of(document: ModelDocument) -> bool:
     return angle == "degree"
 
 
-def _orientation(document: ModelDocument, element: Element) -> Iterator[Coded]:
-    quat = numbers(element.get("quat"))
+def _orientation(document: ModelDocument, element: Element) -> Iterator[CodedFinding]:
+    quat = parse_numbers(element.get("quat"))
     # MuJoCo normalizes it.
     if quat is not None and len(quat) == 4 and math.hypot(*quat) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "quat", "its length is 0: it is no rotation")
@@ -51,19 +51,19 @@ def _orientation(document: ModelDocument, element: Element) -> Iterator[Coded]:
 
 def _joint(
     document: ModelDocument, element: Element, attributes: Mapping[str, str], degrees: bool
-) -> Iterator[Coded]:
+) -> Iterator[CodedFinding]:
     kind = attributes.get("type", "hinge")
-    axis = numbers(attributes.get("axis"))
+    axis = parse_numbers(attributes.get("axis"))
     if kind in ("hinge", "slide") and axis is not None and len(axis) == 3 and math.hypot(*axis) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "axis", "its length is 0: it has no direction")
     for name in _RESISTANCES:
-        value = numbers(attributes.get(name))
+        value = parse_numbers(attributes.get(name))
         if value is not None and value[0] < 0:
             message = f"{value[0]:g} is negative: it would push the joint"
             yield "C-LIMIT", document.finding(element, name, message)
     for name in ("range", "actuatorfrcrange"):
         yield from _range_order(document, element, attributes, name)
-    ends = numbers(attributes.get("range")) or []
+    ends = parse_numbers(attributes.get("range")) or []
     if kind == "hinge" and not degrees and any(in_degrees(end) for end in ends):
         message = f"{attributes['range']} rad: is it in degrees?"
         yield "C-PLAUSIBLE", document.finding(element, "range", message)
@@ -71,21 +71,21 @@ def _joint(
 
 def _range_order(
     document: ModelDocument, element: Element, attributes: Mapping[str, str], name: str
-) -> Iterator[Coded]:
-    ends = numbers(attributes.get(name))
+) -> Iterator[CodedFinding]:
+    ends = parse_numbers(attributes.get(name))
     if ends is not None and len(ends) == 2 and ends[0] >= ends[1] and any(ends):
         relation = "is above" if ends[0] > ends[1] else "equals"
         message = f"its lower end {ends[0]:g} {relation} its upper end {ends[1]:g}"
         yield "C-LIMIT", document.finding(element, name, message)
 
 
-def _inertial(document: ModelDocument, element: Element) -> Iterator[Coded]:
-    mass, body = number(element.get("mass")), element.getparent()
+def _inertial(document: ModelDocument, element: Element) -> Iterator[CodedFinding]:
+    mass, body = parse_number(element.get("mass")), element.getparent()
     moves = body is not None and any(child.tag in ("joint", "freejoint") for child in body)
     if mass is not None:
         for message in wrong_mass(mass, moves):
             yield "C-SOLID", document.finding(element, "mass", message)
-    diagonal, full = numbers(element.get("diaginertia")), numbers(element.get("fullinertia"))
+    diagonal, full = parse_numbers(element.get("diaginertia")), parse_numbers(element.get("fullinertia"))
     point = not moves or (mass is not None and 0 <= mass <= STAND_IN)
     if point and not any([*(diagonal or []), *(full or [])]):
         return
@@ -98,21 +98,23 @@ def _inertial(document: ModelDocument, element: Element) -> Iterator[Coded]:
             yield "C-SOLID", document.finding(element, "fullinertia", message)
 
 
-def _geom(document: ModelDocument, element: Element, attributes: Mapping[str, str]) -> Iterator[Coded]:
+def _geom(document: ModelDocument, element: Element, attributes: Mapping[str, str]) -> Iterator[CodedFinding]:
     for name in ("mass", "density"):
-        value = number(attributes.get(name))
+        value = parse_number(attributes.get(name))
         if value is not None and value < 0:
             yield "C-SOLID", document.finding(element, name, f"{value:g} is negative")
-    size = numbers(attributes.get("size"))
+    size = parse_numbers(attributes.get("size"))
     if size is not None and attributes.get("type") not in ("plane", "mesh", "hfield") and min(size) < 0:
         yield "C-LIMIT", document.finding(element, "size", f"{attributes['size']}: a size is above zero")
 
 
-def _actuator(document: ModelDocument, element: Element, attributes: Mapping[str, str]) -> Iterator[Coded]:
+def _actuator(
+    document: ModelDocument, element: Element, attributes: Mapping[str, str]
+) -> Iterator[CodedFinding]:
     for name in ("ctrlrange", "forcerange"):
         yield from _range_order(document, element, attributes, name)
     for name in ("kp", "kv"):
-        value = number(attributes.get(name))
+        value = parse_number(attributes.get(name))
         if value is not None and (value < 0 or (name == "kp" and value == 0)):
             yield "C-LIMIT", document.finding(element, name, f"{value:g}: a gain is above zero")
     if element.tag in ("position", "motor", "velocity") and not _ranged(attributes):
@@ -121,17 +123,17 @@ def _actuator(document: ModelDocument, element: Element, attributes: Mapping[str
 
 
 def _ranged(attributes: Mapping[str, str]) -> bool:
-    return "ctrlrange" in attributes or number(attributes.get("inheritrange", "0")) not in (0.0, None)
+    return "ctrlrange" in attributes or parse_number(attributes.get("inheritrange", "0")) not in (0.0, None)
 
 
-def _radians(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[Coded]:
+def _radians(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[CodedFinding]:
     """Reports ranges that seem to be in radians although the compiler reads degrees: there are several, and
     all are within one turn."""
     hinges = []
     for element in document.root.iterfind("worldbody//joint"):
         attributes = defaults.attributes(element)
         if attributes.get("type", "hinge") == "hinge" and "range" in attributes:
-            hinges.append((element, numbers(attributes["range"]) or [0.0]))
+            hinges.append((element, parse_numbers(attributes["range"]) or [0.0]))
     if degrees and hinges and all(max(map(abs, ends)) <= 2.0 * math.pi + 0.01 for _, ends in hinges):
         element, ends = hinges[0]
         if element in document.included:

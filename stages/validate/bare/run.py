@@ -18,7 +18,7 @@ from linkwright.stages.validate.bare import (
 )
 from linkwright.stages.validate.bare.bodies import weightless
 from linkwright.stages.validate.bare.figures import Lump, WeighedBody, lumps
-from linkwright.stages.validate.bare.findings import CHECKS, Coded
+from linkwright.stages.validate.bare.findings import BARE_CHECKS, CodedFinding
 from linkwright.stages.validate.bare.start import start
 from linkwright.stages.validate.bare.urdf_against_mjcf import CompiledDocument, check_together
 from linkwright.stages.validate.files.run import check_document, opened, result
@@ -81,12 +81,12 @@ def _coded(
     document: ModelDocument, bodies: Sequence[WeighedBody], grouped: "Sequence[Lump]"
 ) -> Iterator[Check]:
     """Checks the text and the figures; each check may have several findings."""
-    by_code: dict[str, list] = {code: [] for code in CHECKS}  # type: ignore[type-arg]
+    by_code: dict[str, list] = {code: [] for code in BARE_CHECKS}  # type: ignore[type-arg]
     for code, finding in _findings(document, bodies, grouped):
         by_code[code].append(finding)
     for code, findings in by_code.items():
         if _applies(code, document.language == "urdf"):
-            check = CHECKS[code]
+            check = BARE_CHECKS[code]
             yield result(document.path, check.name, code, check.level, findings, check.passed)
 
 
@@ -96,7 +96,7 @@ def _applies(code: str, urdf: bool) -> bool:
 
 def _findings(
     document: ModelDocument, bodies: Sequence[WeighedBody], grouped: "Sequence[Lump]"
-) -> Iterable[Coded]:
+) -> Iterable[CodedFinding]:
     if document.language == "urdf":
         yield from urdf_tree.check(document)
         yield from urdf_values.check(document)

@@ -9,7 +9,7 @@ from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Array, Inertial
 from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
-from linkwright.stages.validate.bare.findings import number, numbers
+from linkwright.stages.validate.bare.findings import parse_number, parse_numbers
 from linkwright.stages.validate.bare.mesh_files import outermost_points
 from linkwright.stages.validate.reading.asset_files import referenced_files
 from linkwright.stages.validate.reading.documents import ModelDocument, title_of
@@ -52,7 +52,7 @@ def _pose(element: Element) -> Array:
     origin = element.find("origin")
     xyz, rpy = [0.0] * 3, [0.0] * 3
     if origin is not None:
-        xyz, rpy = numbers(origin.get("xyz")) or xyz, numbers(origin.get("rpy")) or rpy
+        xyz, rpy = parse_numbers(origin.get("xyz")) or xyz, parse_numbers(origin.get("rpy")) or rpy
     if len(xyz) != 3 or len(rpy) != 3 or not np.isfinite([*xyz, *rpy]).all():
         return np.eye(4)
     return from_parts(rotation_from_rpy((rpy[0], rpy[1], rpy[2])), np.array(xyz))
@@ -86,9 +86,11 @@ def _inertial(inertial: Element | None) -> Inertial:
     if inertial is not None:
         pose = _pose(inertial)
         weight, tensor = inertial.find("mass"), inertial.find("inertia")
-        mass = (number(weight.get("value")) if weight is not None else 0.0) or 0.0
+        mass = (parse_number(weight.get("value")) if weight is not None else 0.0) or 0.0
         com = pose[:3, 3]
-        values = [number(tensor.get(name)) or 0.0 for name in _MOMENTS] if tensor is not None else [0.0] * 6
+        values = (
+            [parse_number(tensor.get(name)) or 0.0 for name in _MOMENTS] if tensor is not None else [0.0] * 6
+        )
         if np.isfinite(values).all():
             xx, xy, xz, yy, yz, zz = values
             inertia = pose[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ pose[:3, :3].T
@@ -115,7 +117,7 @@ def _shape(
         return None
     if path not in meshes:
         meshes[path] = outermost_points(path)
-    points, scale = meshes[path], numbers(shape.get("scale", "1 1 1")) or []
+    points, scale = meshes[path], parse_numbers(shape.get("scale", "1 1 1")) or []
     if points is None or len(scale) != 3 or not np.isfinite(scale).all():
         return None
     placed = (points * scale) @ pose[:3, :3].T + pose[:3, 3]
@@ -123,7 +125,7 @@ def _shape(
 
 
 def _half(shape: Element) -> Array | None:
-    values = [numbers(shape.get(name)) or [] for name in ("size", "radius", "length")]
+    values = [parse_numbers(shape.get(name)) or [] for name in ("size", "radius", "length")]
     size, (radius, length) = values[0], ((value or [0.0])[0] for value in values[1:])
     if shape.tag == "box":
         return np.array(size) / 2 if len(size) == 3 else None

@@ -3,18 +3,18 @@
 from collections.abc import Iterator
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.validate.bare.findings import Coded
+from linkwright.stages.validate.bare.findings import CodedFinding
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 
-def check(document: ModelDocument) -> Iterator[Coded]:
+def check(document: ModelDocument) -> Iterator[CodedFinding]:
     """Reports second parents, cycles and second roots, and joints that mimic themselves or a joint that
     cannot move."""
     yield from _tree(document)
     yield from _mimics(document)
 
 
-def _tree(document: ModelDocument) -> Iterator[Coded]:
+def _tree(document: ModelDocument) -> Iterator[CodedFinding]:
     links = [link for link in document.root.iterfind("link") if link.get("name")]
     if not links:
         yield "C-TREE", document.finding(document.root, "", "the robot has no link")
@@ -62,7 +62,7 @@ def _cycles(above: dict[str, tuple[str, Element]]) -> Iterator[list[str]]:
             yield path[path.index(link) :]
 
 
-def _mimics(document: ModelDocument) -> Iterator[Coded]:
+def _mimics(document: ModelDocument) -> Iterator[CodedFinding]:
     joints = {joint.get("name"): joint for joint in document.root.iterfind("joint")}
     follows = {}
     for name, joint in joints.items():

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.validate.bare.findings import Coded, number, numbers
+from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
 from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
 from linkwright.stages.validate.model.inertials import STAND_IN
 from linkwright.stages.validate.reading.documents import ModelDocument
@@ -19,7 +19,7 @@ UNIT_LENGTH_TOLERANCE = 2e-2
 """Tolerance of the length of a unit axis or quaternion: many files have only three digits."""
 
 
-def check(document: ModelDocument) -> Iterator[Coded]:
+def check(document: ModelDocument) -> Iterator[CodedFinding]:
     """Judges axes, limits and dynamics of joints; masses and inertias of links."""
     for joint in document.root.iterfind("joint"):
         if joint.get("type") in MOVING:
@@ -32,9 +32,9 @@ def check(document: ModelDocument) -> Iterator[Coded]:
         yield from _inertial(document, link.find("inertial"), link.get("name") in moving)
 
 
-def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+def _axis(document: ModelDocument, joint: Element) -> Iterator[CodedFinding]:
     axis = joint.find("axis")
-    vector = None if axis is None else numbers(axis.get("xyz"))
+    vector = None if axis is None else parse_numbers(axis.get("xyz"))
     if vector is None or len(vector) != 3:
         return
     length = math.hypot(*vector)
@@ -44,7 +44,7 @@ def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
         yield "C-PLAUSIBLE", document.finding(axis, "xyz", f"its length is {length:.4g}, expected 1")
 
 
-def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+def _limit(document: ModelDocument, joint: Element) -> Iterator[CodedFinding]:
     limit, kind = joint.find("limit"), joint.get("type")
     if limit is None:
         if kind in ("revolute", "prismatic"):
@@ -53,14 +53,14 @@ def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
             yield "C-LIMIT", document.finding(joint, "limit", message)
         return
     for name in ("effort", "velocity"):
-        value = number(limit.get(name))
+        value = parse_number(limit.get(name))
         if value is not None and value < 0:
             yield "C-LIMIT", document.finding(limit, name, f"{value:g} is negative")
         elif value == 0 and kind != "planar":
             yield "C-PLAUSIBLE", document.finding(limit, name, "0: no actuator can move this joint")
     if kind not in ("revolute", "prismatic"):
         return
-    lower, upper = number(limit.get("lower", "0")), number(limit.get("upper", "0"))
+    lower, upper = parse_number(limit.get("lower", "0")), parse_number(limit.get("upper", "0"))
     if lower is None or upper is None:
         return
     if lower > upper:
@@ -74,10 +74,10 @@ def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
             yield "C-PLAUSIBLE", document.finding(limit, name, f"{value:g} rad: is it in degrees?")
 
 
-def _dynamics(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+def _dynamics(document: ModelDocument, joint: Element) -> Iterator[CodedFinding]:
     dynamics = joint.find("dynamics")
     for name in ("damping", "friction"):
-        value = None if dynamics is None else number(dynamics.get(name))
+        value = None if dynamics is None else parse_number(dynamics.get(name))
         if value is not None and value < 0:
             message = f"{value:g} is negative: it would push the joint"
             yield "C-LIMIT", document.finding(dynamics, name, message)
@@ -92,7 +92,7 @@ def _moving_links(document: ModelDocument) -> set[str | None]:
     }
 
 
-def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -> Iterator[Coded]:
+def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -> Iterator[CodedFinding]:
     """Reports links with shapes, on a moving joint, without mass: readers assume no mass, or 1 kg."""
     for link in document.root.iterfind("link[collision]"):
         if link.get("name") in moving and link.find("inertial") is None:
@@ -100,10 +100,10 @@ def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -
             yield "C-PLAUSIBLE", document.finding(link, "inertial", message)
 
 
-def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterator[Coded]:
+def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterator[CodedFinding]:
     mass_element, inertia_element = inertial.find("mass"), inertial.find("inertia")
-    mass = None if mass_element is None else number(mass_element.get("value"))
-    values = [] if inertia_element is None else [number(inertia_element.get(name)) for name in _MOMENTS]
+    mass = None if mass_element is None else parse_number(mass_element.get("value"))
+    values = [] if inertia_element is None else [parse_number(inertia_element.get(name)) for name in _MOMENTS]
     moments = [value for value in values if value is not None and math.isfinite(value)]
     # A frame's stand-in, or a link that never moves, may have no mass and no inertia.
     may_be_massless = not moves or (mass is not None and mass <= STAND_IN)

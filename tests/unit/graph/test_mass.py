@@ -427,7 +427,7 @@ def test_a_total_scales_what_is_estimated_and_nothing_else():
 @pytest.mark.parametrize(
     ("mass", "message"),
     [
-        ({"total": 1.05}, "1.05 kg is too little: beside 2 parts with estimated masses, it weighs 1.12 kg"),
+        ({"total": 1.05}, "without its 2 parts of estimated mass, the robot already weighs 1.12 kg"),
         ({"total": 2, "parts": {"Screw": {"mass": 0.1}}}, "weighs 1.32 kg, and no mass is estimated"),
         ({"total": 2, "links": {"arm": {"mass": 0.5}}}, "weighs 1.5 kg, and no mass is estimated"),
     ],

@@ -67,9 +67,9 @@ def test_no_fewer_of_the_pieces_would_do():
     part = judge(RING, 0.001)
     cutter = PieceCutter(part, 64)
     result = cutter.cut()
-    assert result.near
+    assert result.is_near
     assert part.near(result.pieces)
-    assert len(cutter.join(cutter.parts_of(result.pieces)).pieces) == len(result.pieces)
+    assert len(cutter.join(cutter.prepare(result.pieces)).pieces) == len(result.pieces)
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_pieces_are_not_joined_across_a_hole_however_small():
     bars = [box(side, whole, thick, at=(x * off, 0, 0)) for x in (-1, 1)]
     bars += [box(hole, side, thick, at=(0, y * off, 0)) for y in (-1, 1)]
     cutter = PieceCutter(judge(joined(*bars), 0.001), 64)
-    pieces = [surface_of(piece) for piece in cutter.join(cutter.parts_of(bars)).pieces]
+    pieces = [surface_of(piece) for piece in cutter.join(cutter.prepare(bars)).pieces]
     assert 1 < len(pieces) <= 4
     pin = manifold3d.Manifold.cube([0.003, 0.003, 0.003], center=True)
     assert (union(pieces) ^ pin).volume() < 1e-15

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.formats.meshes.surface import Surface, weld
-from linkwright.stages.mesh.surfaces.inside import Inside
+from linkwright.stages.mesh.surfaces.inside import InsideTest
 from linkwright.stages.mesh.surfaces.rays import LineGrid
 from tests.support.fidelity import solid_angles
 from tests.support.solids import joined, of_mesh
@@ -38,7 +38,7 @@ def assert_clear(surface, points, spare):
     """The points that are not near the border of the inside are judged as by the winding number."""
     number = winding(surface, points)
     clear = np.abs(number - 0.5) > 0.5 - spare
-    assert Inside.of(surface)(points)[clear].tolist() == (number > 0.5)[clear].tolist()
+    assert InsideTest.of(surface)(points)[clear].tolist() == (number > 0.5)[clear].tolist()
     assert clear.sum() > 100
 
 
@@ -47,7 +47,7 @@ def test_inside_of_a_closed_surface_is_that_of_its_winding_number(name):
     surface = of_mesh(SHAPES[name])
     points = points_in(surface, 400)
     expected = winding(surface, points) > 0.5
-    assert Inside.of(surface)(points).tolist() == expected.tolist()
+    assert InsideTest.of(surface)(points).tolist() == expected.tolist()
     assert 0 < expected.mean() < 1
 
 
@@ -59,15 +59,15 @@ def test_points_over_edges_and_vertices_are_counted_once():
     points = np.concatenate([box.vertices - up * 0.37, middles + up * 0.21])
     number = winding(box, points)
     clear = np.minimum(np.abs(number - 1), np.abs(number)) < 1e-3
-    assert Inside.of(box)(points)[clear].tolist() == (number > 0.5)[clear].tolist()
+    assert InsideTest.of(box)(points)[clear].tolist() == (number > 0.5)[clear].tolist()
     assert clear.sum() > 100
 
 
 def test_overlapping_shells_are_inside_and_a_cavity_is_not():
     big, small = of_mesh(trimesh.creation.box((2, 2, 2))), of_mesh(trimesh.creation.icosphere(2))
     points = np.array([[0, 0, 0], [0.95] * 3, [1.05] * 3])
-    assert Inside.of(joined(big, small))(points).tolist() == [True, True, False]
-    assert Inside.of(joined(big, small.flipped()))(points).tolist() == [False, True, False]
+    assert InsideTest.of(joined(big, small))(points).tolist() == [True, True, False]
+    assert InsideTest.of(joined(big, small.flipped()))(points).tolist() == [False, True, False]
 
 
 @settings(max_examples=40)
@@ -81,7 +81,7 @@ def test_any_closed_soup_is_counted_as_its_winding_number(seed):
         parts.append(tetrahedron if tetrahedron.volume() > 0 else tetrahedron.flipped())
     surface = joined(*parts)
     points = random.normal(size=(100, 3))
-    assert Inside.of(surface)(points).tolist() == (winding(surface, points) > 0.5).tolist()
+    assert InsideTest.of(surface)(points).tolist() == (winding(surface, points) > 0.5).tolist()
 
 
 def test_inside_of_an_open_surface_is_that_of_most_directions():
@@ -95,7 +95,7 @@ def test_closed_shells_and_open_shells_add_up():
     surface = joined(closed, HOLED, Surface(BALL.vertices * 0.3, BALL.triangles).flipped())
     points = points_in(surface, 800)
     assert_clear(surface, points, 0.2)
-    inside = Inside.of(surface)
+    inside = InsideTest.of(surface)
     assert len(inside.holed.surface.triangles) == len(HOLED.triangles)
     assert 0.1 < inside(points).mean() < 0.9
 
@@ -104,7 +104,7 @@ def test_plate_and_nothing_have_no_inside():
     plate, _ = weld(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     nothing = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
     for surface in (plate, nothing):
-        assert not Inside.of(surface)(np.random.default_rng(2).uniform(0, 1, (50, 3))).any()
+        assert not InsideTest.of(surface)(np.random.default_rng(2).uniform(0, 1, (50, 3))).any()
 
 
 def test_closed_winding_is_the_winding_number():
@@ -112,5 +112,5 @@ def test_closed_winding_is_the_winding_number():
     surface = joined(of_mesh(SHAPES["box"]), of_mesh(shifted), BALL.flipped())
     points = points_in(surface, 400)
     expected = np.rint(winding(surface, points)).astype(int).tolist()
-    assert Inside.of(surface).closed_winding(points).tolist() == expected
+    assert InsideTest.of(surface).closed_winding(points).tolist() == expected
     assert set(expected) == {-1, 0, 1, 2}

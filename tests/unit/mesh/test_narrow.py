@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from linkwright.stages.mesh.contacts.narrow import MAX_SHARE_OF_OTHERS, narrowed
+from linkwright.stages.mesh.contacts.narrow import MAX_OTHER_CONTACT_SHARE, excluded_shape_pairs
 
 POSES = 20
 ALL = range(POSES)
-OFTEN, RARE = int(MAX_SHARE_OF_OTHERS * POSES) + 1, int(MAX_SHARE_OF_OTHERS * POSES)
+OFTEN, RARE = int(MAX_OTHER_CONTACT_SHARE * POSES) + 1, int(MAX_OTHER_CONTACT_SHARE * POSES)
 
 
 def pairs(mask):
@@ -41,11 +41,11 @@ def test_shapes_that_always_touch_are_left_out(first, second, touching, left_out
     table = np.zeros((POSES, len(first), len(second)), dtype=bool)
     for pair, poses in touching.items():
         table[(list(poses), *pair)] = True
-    assert pairs(narrowed(table, first, second)) == left_out
+    assert pairs(excluded_shape_pairs(table, first, second)) == left_out
 
 
 def test_without_a_pose_nothing_is_left_out():
-    assert not narrowed(np.zeros((0, 2, 2), dtype=bool), "ab", "cd").any()
+    assert not excluded_shape_pairs(np.zeros((0, 2, 2), dtype=bool), "ab", "cd").any()
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -54,7 +54,7 @@ def test_no_contact_is_lost_without_need(seed):
     m, n = rng.integers(1, 6, 2)
     first, second = rng.integers(0, 3, m), rng.integers(0, 3, n)
     touching = rng.random((POSES, m, n)) < rng.choice([0.02, 0.5, 0.97, 1.0], (m, n))
-    left_out = narrowed(touching, first.tolist(), second.tolist())
+    left_out = excluded_shape_pairs(touching, first.tolist(), second.tolist())
     assert left_out.any() == touching.any(axis=(1, 2)).all()
     if left_out.all():
         return

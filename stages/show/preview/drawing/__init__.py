@@ -6,5 +6,5 @@
 - painting: Paints the robot in a studio: with a soft shadow on a ground that fades into the background.
 - pixels: Blurs, enlarges and reduces pixels; converts light for a screen.
 - studio: Places a robot in a studio: scaled to a standard size, among lamps.
-- vectors: Computes with vectors (..., 3) component by component, several times as fast as reducing the axis.
+- vectors: Computes with vectors (..., 3) by component: several times as fast as along the last axis.
 """

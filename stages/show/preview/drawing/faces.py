@@ -9,7 +9,7 @@ from linkwright.stages.show.preview.camera import Camera
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.pixels import linear, scattered, shown
 from linkwright.stages.show.preview.drawing.studio import LitRobot
-from linkwright.stages.show.preview.drawing.vectors import cross, dot, mixed, unit
+from linkwright.stages.show.preview.drawing.vectors import cross, dot, interpolate, unit
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers
 
@@ -60,9 +60,9 @@ class Faces:
         shares = first[:, 0] * x + first[:, 1] * y + first[:, 2]
         np.maximum(shares, 0.0, out=shares)
         shares /= np.maximum(shares[:, 0] + shares[:, 1] + shares[:, 2], np.float32(1e-30))[:, None]
-        points = mixed(shares, self._corners[face])
+        points = interpolate(shares, self._corners[face])
         toward = unit(camera.position.astype(np.float32) - points)
-        normals = _facing(mixed(shares, self._normals[face]), toward)
+        normals = _facing(interpolate(shares, self._normals[face]), toward)
         row, column = down.astype(np.int32) // finer, right.astype(np.int32) // finer
         light, key = self._light(points, normals, [scattered(row, column, turn) for turn in range(_SHIFTS)])
         half = unit(toward + scene.key.astype(np.float32))
@@ -102,7 +102,7 @@ class Faces:
         for number, image in enumerate(surface.images):
             with_image = np.flatnonzero(which == number)
             if len(with_image):
-                place = mixed(shares[with_image], self._places[face[with_image]]) % 1.0
+                place = interpolate(shares[with_image], self._places[face[with_image]]) % 1.0
                 height, width = image.shape[:2]
                 column = np.minimum((place[:, 0] * width).astype(np.intp), width - 1)
                 row = np.minimum((place[:, 1] * height).astype(np.intp), height - 1)

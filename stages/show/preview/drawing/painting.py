@@ -12,125 +12,154 @@ from linkwright.stages.show.preview.drawing.vectors import dot
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers, Pixels, seen
 
-FINER = 2
-"""Samples for each pixel of the picture, each way."""
+SAMPLES_PER_SIDE = 2
+"""Number of samples along each side of a pixel: the camera's picture has as many times the pixels of the
+final picture, each way."""
 
 _BACKGROUND = np.array([0.905, 0.916, 0.928], dtype=np.float32)
 """Colour of the background in sRGB."""
 
-_SHADOW = 0.62
-"""Darkness of the ground where no light reaches it."""
+_SHADOW_DARKNESS = 0.62
+"""Share of the background's colour that the ground loses where no light reaches it."""
 
-_MIN_OPAQUE = 0.99
+_MIN_OPAQUE_ALPHA = 0.99
 """Faces with at least this opacity count as opaque."""
 
-_SAME_DIRECTION = np.float32(0.96)
+_MIN_COSINE = np.float32(0.96)
 """Cosine of an angle: faces at a smaller angle to each other share a colour within a pixel."""
 
-_SHADOW_STEP = 3
-"""Pixels of the picture for each pixel of the ground's shadow."""
+_SHADOW_PIXEL_SIZE = 3
+"""Width of a pixel of the ground's shadow, in pixels of the final picture."""
+
+_SHADOW_SLACK = 0.5
+"""Depth behind a lamp's nearest point, in pixels of the lamp, up to which the ground is still lit."""
+
+_SKY_BLUR, _KEY_BLUR = 4, 3
+"""Half widths of the blur of the shadows of sky and key light, in pixels of the ground's shadow."""
 
 _FADE_START, _FADE_END = 1.0, 2.1
-"""Distances from the origin at which shadows on the ground begin to fade, and are gone."""
+"""Distances from the middle, in radii of the robot, at which shadows on the ground begin to fade, and are
+gone."""
 
 
-def picture(scene: LitRobot, width: int, height: int, framed: Numbers | None = None) -> Pixels:
-    """Returns a picture (height, width, 3) that the robot, or the points `framed` (n, 3), fills."""
-    points = scene.corners.reshape(-1, 3) if framed is None else framed
-    return rendered(scene, framing(points, scene.backward, FINER * width, FINER * height))
+def draw_picture(scene: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
+    """Draws a picture (height, width, 3) that the robot fills, or the `points` (n, 3) if they are given.
+    `width`, `height` [pixels]."""
+    shown_points = scene.corners.reshape(-1, 3) if points is None else points
+    size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
+    return render(scene, framing(shown_points, scene.backward, *size))
 
 
-def rendered(scene: LitRobot, camera: Camera) -> Pixels:
-    """Returns the view of a camera, whose picture is `FINER` times as fine as the result. Only the nearest
-    layer of transparent faces is drawn over the opaque faces."""
-    placed = camera.projected(scene.corners)
+def render(scene: LitRobot, camera: Camera) -> Pixels:
+    """Draws what a camera sees, reduced by `SAMPLES_PER_SIDE` each way: (height, width, 3).
+
+    Only the nearest layer of transparent faces is drawn over the opaque faces.
+    """
+    corners = camera.projected(scene.corners)
     image = _ground(scene, camera)
     alpha = scene.surface.colours[scene.surface.geom, 3]
-    opaque = np.flatnonzero(alpha >= _MIN_OPAQUE)
-    if 0 < len(opaque) < len(placed):
-        behind = seen(placed[opaque], camera.width, camera.height)
-        _paint(image, scene, camera, placed, np.where(behind < 0, -1, opaque[behind]))
-    _paint(image, scene, camera, placed, seen(placed, camera.width, camera.height))
+    opaque = np.flatnonzero(alpha >= _MIN_OPAQUE_ALPHA)
+    if 0 < len(opaque) < len(corners):
+        nearest_opaque = seen(corners[opaque], camera.width, camera.height)
+        _paint(image, scene, camera, corners, np.where(nearest_opaque < 0, -1, opaque[nearest_opaque]))
+    _paint(image, scene, camera, corners, seen(corners, camera.width, camera.height))
     return np.asarray(np.rint(image * 255.0).astype(np.uint8))
 
 
-def _paint(image: Single, scene: LitRobot, camera: Camera, placed: Single, which: Indices) -> None:
-    """Draws over an image the triangles that are visible in each of its finer pixels, -1 without a
-    triangle."""
+def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, visible: Indices) -> None:
+    """Draws triangles over an image (height, width, 3) in sRGB.
+
+    `corners` (m, 3, 3): the scene's triangles in the camera's picture; `visible`: the triangle that each
+    pixel of the camera's picture, a sample, shows, or -1.
+    """
+    side = SAMPLES_PER_SIDE
     width = image.shape[1]
-    parts = [which[row::FINER, column::FINER].ravel() for row in range(FINER) for column in range(FINER)]
-    pixels = np.flatnonzero(functools.reduce(np.maximum, parts) >= 0)
+    by_place = [visible[row::side, column::side].ravel() for row in range(side) for column in range(side)]
+    pixels = np.flatnonzero(functools.reduce(np.maximum, by_place) >= 0)
     if not len(pixels):
         return
-    finer = np.stack([part[pixels] for part in parts], axis=1)
-    face = np.zeros(len(placed), dtype=np.int64)
-    face[finer[finer >= 0]] = 1
-    shown_faces = np.flatnonzero(face)
-    face[shown_faces] = np.arange(len(shown_faces))
-    faces = Faces(scene, placed, shown_faces)
-    pixel, sub, weight = _samples(np.where(finer >= 0, face[finer], -1), faces)
+    triangles = np.stack([samples[pixels] for samples in by_place], axis=1)
+    # Only visible triangles get colours: a face is a triangle's index among them.
+    face_of_triangle = np.zeros(len(corners), dtype=np.int64)
+    face_of_triangle[triangles[triangles >= 0]] = 1
+    visible_triangles = np.flatnonzero(face_of_triangle)
+    face_of_triangle[visible_triangles] = np.arange(len(visible_triangles))
+    face_of_sample = np.where(triangles >= 0, face_of_triangle[triangles], -1)
+    faces = Faces(scene, corners, visible_triangles)
+    pixel, sample, share = _drawn_samples(face_of_sample, faces)
+    face = face_of_sample[pixel, sample]
     rows, columns = np.divmod(pixels[pixel], width)
-    down, right = FINER * rows + sub // FINER, FINER * columns + sub % FINER
-    which_face = face[finer[pixel, sub]]
-    colours = faces.colours(camera, which_face, right + 0.5, down + 0.5, FINER)
-    opacity = scene.surface.colours[scene.surface.geom[shown_faces], 3][which_face]
-    share = (np.where(opacity >= _MIN_OPAQUE, 1.0, opacity) * weight).astype(np.float32)
-    flat = image.reshape(-1, 3)
-    covered = np.bincount(pixel, share, minlength=len(pixels)).astype(np.float32)
-    flat[pixels] *= (1.0 - covered)[:, None]
+    down, right = side * rows + sample // side, side * columns + sample % side
+    # Half a pixel further is the middle of the sample.
+    colours = faces.colours(camera, face, right + 0.5, down + 0.5, side)
+    alpha = scene.surface.colours[scene.surface.geom[visible_triangles], 3][face]
+    weight = (np.where(alpha >= _MIN_OPAQUE_ALPHA, 1.0, alpha) * share).astype(np.float32)
+    flat_image = image.reshape(-1, 3)
+    covered = np.bincount(pixel, weight, minlength=len(pixels)).astype(np.float32)
+    flat_image[pixels] *= (1.0 - covered)[:, None]
     for channel in range(3):
-        flat[pixels, channel] += np.bincount(pixel, share * colours[:, channel], minlength=len(pixels))
+        flat_image[pixels, channel] += np.bincount(pixel, weight * colours[:, channel], minlength=len(pixels))
 
 
-def _samples(face: Indices, faces: Faces) -> tuple[Indices, Indices, Single]:
-    """Chooses the samples to draw: returns for each its pixel, its finer pixel, and its share of the pixel.
+def _drawn_samples(face: Indices, faces: Faces) -> tuple[Indices, Indices, Single]:
+    """Chooses the samples whose colours are computed. Returns for each the index of its pixel, its index in
+    the pixel, and its share of the pixel.
 
-    `face` (n, 4): the face in each finer pixel, or -1. A single sample is enough if all finer pixels with a
-    face show the same surface.
+    `face` (pixels, samples): the face that each sample shows, or -1. If all samples of a pixel with a face
+    show the same surface, the first of them is enough.
     """
-    count = face.shape[1]
-    covered = face >= 0
-    first = covered.argmax(axis=1)
-    first_face = face[np.arange(len(face)), first]
-    several = np.zeros(len(face), dtype=np.bool_)
-    for column in range(count):
-        differing = np.flatnonzero(covered[:, column] & (face[:, column] != first_face))
-        column_face, reference_face = face[differing, column], first_face[differing]
-        is_parallel = dot(faces.flat[column_face], faces.flat[reference_face]) > _SAME_DIRECTION
-        is_same = is_parallel & (faces.geom[column_face] == faces.geom[reference_face])
-        several[differing[~is_same]] = True
-    plain = np.flatnonzero(~several)
-    pixel, sub = np.nonzero(covered & several[:, None])
-    share = np.count_nonzero(covered, axis=1)[plain] / count
+    sample_count = face.shape[1]
+    is_covered = face >= 0
+    first_sample = is_covered.argmax(axis=1)
+    first_face = face[np.arange(len(face)), first_sample]
+    shows_several = np.zeros(len(face), dtype=np.bool_)
+    for sample in range(sample_count):
+        differing = np.flatnonzero(is_covered[:, sample] & (face[:, sample] != first_face))
+        other_face, reference_face = face[differing, sample], first_face[differing]
+        is_parallel = dot(faces.flat[other_face], faces.flat[reference_face]) > _MIN_COSINE
+        is_same = is_parallel & (faces.geom[other_face] == faces.geom[reference_face])
+        shows_several[differing[~is_same]] = True
+    plain = np.flatnonzero(~shows_several)
+    pixel, sample_index = np.nonzero(is_covered & shows_several[:, None])
+    plain_share = np.count_nonzero(is_covered, axis=1)[plain] / sample_count
     return (
         np.concatenate([plain, pixel]),
-        np.concatenate([first[plain], sub]),
-        np.concatenate([share, np.full(len(pixel), 1 / count)]).astype(np.float32),
+        np.concatenate([first_sample[plain], sample_index]),
+        np.concatenate([plain_share, np.full(len(pixel), 1 / sample_count)]).astype(np.float32),
     )
 
 
 def _ground(scene: LitRobot, camera: Camera) -> Single:
-    """Returns the background (height, width, 3) with the shadow on the ground, in sRGB."""
-    wide, high = camera.width // FINER, camera.height // FINER
-    height, width = -(-high // _SHADOW_STEP), -(-wide // _SHADOW_STEP)
+    """Draws the background (height, width, 3) with the shadow on the ground, in sRGB.
+
+    The shadow is soft, so it is computed for larger pixels, and enlarged.
+    """
+    image_width, image_height = camera.width // SAMPLES_PER_SIDE, camera.height // SAMPLES_PER_SIDE
+    # Rounded up.
+    width, height = -(-image_width // _SHADOW_PIXEL_SIZE), -(-image_height // _SHADOW_PIXEL_SIZE)
     rows, columns = np.divmod(np.arange(height * width), width)
-    step = FINER * _SHADOW_STEP
+    step = SAMPLES_PER_SIDE * _SHADOW_PIXEL_SIZE
     rays = camera.rays((columns + 0.5) * step, (rows + 0.5) * step)
+    # Rays that do not go down never meet the ground: -1.
+    goes_down = rays[:, 2] < -1e-6
     depth = np.divide(
-        scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=rays[:, 2] < -1e-6
+        scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=goes_down
     )
     points = camera.position + depth[:, None] * rays
-    away = np.sqrt((points[:, :2] ** 2).sum(axis=1))
-    hit = np.flatnonzero((depth > 0) & (away < _FADE_END))
-    single = np.ascontiguousarray(points[hit].astype(np.float32).T)
+    distance = np.sqrt((points[:, :2] ** 2).sum(axis=1))
+    hit = np.flatnonzero((depth > 0) & (distance < _FADE_END))
+    hit_points = np.ascontiguousarray(points[hit].astype(np.float32).T)
     shift = scattered(rows[hit], columns[hit])
-    full = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
+    full_light = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
+    # The light that is missing in each pixel, as a share of all light: that of the sky, and the key light.
     shades = np.zeros((2, len(rays)), dtype=np.float32)
     for lamp in scene.lamps:
-        dark = ~lamp.reaches(single, shift, 0.5)
-        shades[int(lamp.is_key), hit] += dark * np.float32(lamp.power * lamp.direction[2] / full)
+        is_dark = ~lamp.reaches(hit_points, shift, _SHADOW_SLACK)
+        shades[int(lamp.is_key), hit] += is_dark * np.float32(lamp.power * lamp.direction[2] / full_light)
     # Far shadows fade, so that none is cut off at the picture's edge.
-    shades[:, hit] *= np.clip((_FADE_END - away[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
-    of_sky, of_key = shades.reshape(2, height, width)
-    shade = enlarged(blurred(of_sky, 4) + blurred(of_key, 3), _SHADOW_STEP)[:high, :wide]
-    return np.asarray(_BACKGROUND * (1.0 - np.float32(_SHADOW) * shade[:, :, None]), dtype=np.float32)
+    shades[:, hit] *= np.clip((_FADE_END - distance[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
+    sky_shade, key_shade = shades.reshape(2, height, width)
+    blurred_shade = blurred(sky_shade, _SKY_BLUR) + blurred(key_shade, _KEY_BLUR)
+    shade = enlarged(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
+    brightness = 1.0 - np.float32(_SHADOW_DARKNESS) * shade[:, :, None]
+    return np.asarray(_BACKGROUND * brightness, dtype=np.float32)

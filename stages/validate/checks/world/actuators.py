@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.stages.mujoco.names import actuator_count, controls_of, index_of, joint_index
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.dynamics.holding_control import control_at, state_at, torque_per_volt
+from linkwright.stages.robot.dynamics.holding_control import holding_control, holding_state, torque_per_volt
 from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, children_of
 from linkwright.stages.robot.model.robot import Configuration, Value
@@ -99,7 +99,7 @@ def _at_rest(model: Any, index: int, actuator: Actuator, name: str, value: Value
     key = keyframe_of(model, name)
     assert not isinstance(value, tuple), "an actuator drives one turn or slide"
     force = actuator.force_at(name)
-    state = state_at(actuator, value, force)
+    state = holding_state(actuator, value, force)
     first, size = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
     if name == HOME and size != len(state):
         yield differs(named(actuator.type, actuator.name), "dyntype", f"of {size} states", str(len(state)))
@@ -107,7 +107,7 @@ def _at_rest(model: Any, index: int, actuator: Actuator, name: str, value: Value
         return
     element = named("key", name)
     control = float(model.key_ctrl[key][controls_of(model, index).start]) if key >= 0 else np.nan
-    expected = actuator.home if name == HOME else control_at(actuator, value, force)
+    expected = actuator.home if name == HOME else holding_control(actuator, value, force)
     if not _same(control, expected):
         yield Finding(element, "ctrl", f"of {actuator.name} is {shown(control)}, expected {shown(expected)}")
     if state and size == len(state) and key >= 0:

@@ -30,35 +30,39 @@ OPTIONS = (
 """Attributes of `<option>` that change how a robot moves."""
 
 ENUMS = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
-"""Options that are words in a file, with MuJoCo's enumerations."""
+"""Option that is a word in a file → MuJoCo's enumeration of its values."""
 
-PREFIX = "mjDSBL_"
+_DISABLE_PREFIX = "mjDSBL_"
+"""Prefix of MuJoCo's names of flags that disable something, before the name of the flag."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares the scene; yields nothing if the robot's scene is unknown. Settings of the user's own XML are
     not compared."""
-    if compiled.written.scene is None:
+    scene = compiled.written.scene
+    if scene is None:
         return
-    ground = few(_ground(compiled, compiled.written.scene.ground)) if compiled.written.scene.ground else ()
-    detail = "the ground is where the build put it, with its friction"
-    if compiled.written.scene.ground is None:
-        detail = "the build has no ground"
-    yield compiled.within("ground", float(len(ground)), 0.0, _details(detail, ground), ground)
-    options = few(_options(compiled, compiled.written.scene))
-    detail = "gravity, medium, time step, integrator and solver are those that the robot was judged with"
-    yield compiled.within("physics", float(len(options)), 0.0, _details(detail, options), options)
+    findings = () if scene.ground is None else few(_ground_differences(compiled, scene.ground))
+    passed = "the ground is where the build put it, with its friction"
+    if scene.ground is None:
+        passed = "the build has no ground"
+    yield compiled.within("ground", float(len(findings)), 0.0, _detail(passed, findings), findings)
+    findings = few(_option_differences(compiled, scene))
+    passed = "gravity, medium, time step, integrator and solver are those with which the robot was judged"
+    yield compiled.within("physics", float(len(findings)), 0.0, _detail(passed, findings), findings)
 
 
-def _details(detail: str, findings: tuple[Finding, ...]) -> str:
+def _detail(passed: str, findings: tuple[Finding, ...]) -> str:
+    """Returns the text of a check's result: `passed`, or all findings."""
     if not findings:
-        return detail
+        return passed
     return "; ".join(f"{finding.element} {finding.attribute} {finding.message}" for finding in findings)
 
 
-def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
+def _ground_differences(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
+    """Compares the place, the friction and the contact bits of the scene's ground with those of the build."""
     model = compiled.model
-    geom = _floor(model, ground)
+    geom = _ground_geom(model, ground)
     if geom is None:
         place = shown(ground.world_from_ground[:3, 3])
         yield Finding(named("geom", FLOOR), "name", f"there is no ground: expected a plane at {place} [m]")
@@ -69,11 +73,13 @@ def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
         kind = mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
         yield differs(title, "type", kind, "plane")
         return
+    # `not … <=` also reports NaN.
     height, tilt = _height_and_tilt(model, geom, ground)
     if not abs(height) <= CAD_ERROR and "pos" not in user_sets:
         yield differs(title, "pos", model.geom_pos[geom], ground.world_from_ground[:3, 3], "m")
     if not tilt <= CAD_ERROR and not user_sets & ORIENTATIONS:
         yield Finding(title, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected")
+    # Defaults of the user's own XML may set the values below.
     if sets_defaults(compiled):
         return
     for attribute in ("contype", "conaffinity"):
@@ -83,17 +89,18 @@ def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
     yield from contact_differences(model, geom, title, ContactProperties(ground.friction), user_sets)
 
 
-def _floor(model: Any, ground: Ground) -> int | None:
-    """Returns the geom of the world that is the ground: a colliding plane at its place, else the geom with
-    its name."""
+def _ground_geom(model: Any, ground: Ground) -> int | None:
+    """Returns the index of the world's geom that is the ground; None if there is no such geom.
+
+    It is the first of these: a plane at the ground's place that collides, the geom with the ground's name, a
+    plane at the ground's place that does not collide.
+    """
     geoms = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == 0]
-    named_so = [geom for geom in geoms if model.geom(geom).name == FLOOR]
+    with_name = [geom for geom in geoms if model.geom(geom).name == FLOOR]
     planes = (geom for geom in geoms if model.geom_type[geom] == PLANE)
-    ground_planes = [
-        geom for geom in planes if max(map(abs, _height_and_tilt(model, geom, ground))) <= CAD_ERROR
-    ]
-    touched = [geom for geom in ground_planes if model.geom_contype[geom] or model.geom_conaffinity[geom]]
-    return next(iter((*touched, *named_so, *ground_planes)), None)
+    at_place = [geom for geom in planes if max(map(abs, _height_and_tilt(model, geom, ground))) <= CAD_ERROR]
+    colliding = [geom for geom in at_place if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+    return next(iter((*colliding, *with_name, *at_place)), None)
 
 
 def _height_and_tilt(model: Any, geom: int, ground: Ground) -> tuple[float, float]:
@@ -106,42 +113,48 @@ def _height_and_tilt(model: Any, geom: int, ground: Ground) -> tuple[float, floa
     return height, tilt
 
 
-def _options(compiled: CompiledModel, scene: Scene) -> Iterator[Finding]:
+def _option_differences(compiled: CompiledModel, scene: Scene) -> Iterator[Finding]:
+    """Compares MuJoCo's options and flags with those of the build, unless the user's own XML adds an element
+    with options or flags."""
     if any(change.added_tags & {"option", "flag"} for change in compiled.written.amendments.changes):
         return
-    options, expected = compiled.model.opt, _expected(scene)
+    options, expected = compiled.model.opt, _expected_options(scene)
     for attribute in OPTIONS:
+        # Some options are missing in other versions of MuJoCo.
         if compiled.sets(attribute) or not hasattr(options, attribute):
             continue
         values = getattr(options, attribute), getattr(expected, attribute)
+        # The absolute tolerance is far below the smallest settings, such as a solver's tolerance of 1e-8.
         if not np.allclose(*values, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE * ENGINE_TOLERANCE):
-            kind = ENUMS.get(attribute)
-            words = (_word(kind, value) for value in values) if kind else values
-            yield differs("option", attribute, *words)
-    for bit in mujoco.mjtDisableBit.__members__.values():
-        flag = bit.name.removeprefix(PREFIX).lower()
-        is_off, expected_off = (bool(int(option.disableflags) & int(bit)) for option in (options, expected))
-        if bit.name.startswith(PREFIX) and is_off != expected_off and not compiled.sets(flag):
+            enum = ENUMS.get(attribute)
             yield differs(
-                "flag", flag, *("disabled" if state else "enabled" for state in (is_off, expected_off))
+                "option", attribute, *((_enum_word(enum, value) for value in values) if enum else values)
             )
+    for bit in mujoco.mjtDisableBit.__members__.values():
+        flag = bit.name.removeprefix(_DISABLE_PREFIX).lower()
+        is_off, expected_off = (bool(int(option.disableflags) & int(bit)) for option in (options, expected))
+        # The enumeration also has the number of its flags, without the prefix.
+        if bit.name.startswith(_DISABLE_PREFIX) and is_off != expected_off and not compiled.sets(flag):
+            words = ("disabled" if off else "enabled" for off in (is_off, expected_off))
+            yield differs("flag", flag, *words)
 
 
-def _word(kind: Any, value: Any) -> str:
-    """Returns the word for the value of an attribute in a file."""
-    return str(kind(int(value)).name.split("_", 1)[1]).lower()
+def _enum_word(enum: Any, value: Any) -> str:
+    """Returns the word in a file for a value of an enumeration, such as "euler" for mjINT_EULER."""
+    return str(enum(int(value)).name.split("_", 1)[1]).lower()
 
 
-def _expected(scene: Scene) -> Any:
-    """Returns the options of a model with only the build's options of the scene."""
+def _expected_options(scene: Scene) -> Any:
+    """Returns the options (`mjOption`) of a model with only the build's options and flags of the scene."""
     root = element(None, "mujoco")
-    option = element(root, "option", **{name: _text(value) for name, value in scene.option.items()})
+    option = element(root, "option", **{name: _setting_text(value) for name, value in scene.option.items()})
     if scene.flag:
         element(option, "flag", **scene.flag)
     return compiled_text(to_bytes(root), {}).opt
 
 
-def _text(value: Setting) -> str:
+def _setting_text(value: Setting) -> str:
+    """Returns the text of a setting in an MJCF."""
     if isinstance(value, str):
         return value
     return number(value) if isinstance(value, float | int) else spaced(np.array(value))

@@ -14,7 +14,7 @@ from linkwright.stages.mesh.by_contact.ends import fitted_end
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.chunk import engine_hull, hull_chunk
-from linkwright.stages.mesh.cut.cutting import cut
+from linkwright.stages.mesh.cut.cutting import cut_by_plane
 from linkwright.stages.mesh.cut.outside import Outside
 from linkwright.stages.mesh.cut.planes import crossing, flat_faces, through
 from linkwright.stages.robot.contact.clearance import engine
@@ -32,7 +32,7 @@ def test_cut_loses_no_area_and_puts_each_triangle_on_its_side(seed):
     normal = np.eye(3)[seed % 3] if seed % 2 else rng.normal(size=3)
     normal /= np.linalg.norm(normal)
     height = float(np.round(rng.normal() / 2, 1))
-    below, above = cut(whole, normal, height)
+    below, above = cut_by_plane(whole, normal, height)
     assert below.area() + above.area() == pytest.approx(whole.area(), rel=1e-12)
     assert (below.vertices @ normal).max(initial=-9) <= height + 1e-12
     assert (above.vertices @ normal).min(initial=9) >= height - 1e-12
@@ -45,7 +45,7 @@ def test_hulls_of_both_sides_hold_the_whole_surface(seed):
     ball = trimesh.creation.icosphere(2, 0.05)
     rng = np.random.default_rng(seed)
     normal = rng.normal(size=3)
-    halves = cut(of_mesh(ball), normal / np.linalg.norm(normal), rng.uniform(-0.03, 0.03))
+    halves = cut_by_plane(of_mesh(ball), normal / np.linalg.norm(normal), rng.uniform(-0.03, 0.03))
     volume = sum(hull_chunk(side, 1000, 0).volume for side in halves)
     assert volume == pytest.approx(ConvexHull(ball.vertices).volume, rel=1e-4)
 
@@ -119,7 +119,7 @@ def test_hull_of_a_corner_stands_out_by_its_slant():
         return outside.standing_out([outside.sampled(hull_chunk(side, 64, 0).piece) for side in sides]).most
 
     assert most(ell) == pytest.approx(0.04, abs=2e-3)  # from the middle of the slant to the nearest wall
-    assert most(*cut(ell, np.array([1.0, 0, 0]), 0.02)) < 1e-5
+    assert most(*cut_by_plane(ell, np.array([1.0, 0, 0]), 0.02)) < 1e-5
 
 
 def test_planes_are_beside_the_faces_and_across_the_axes():
@@ -133,7 +133,8 @@ def test_planes_are_beside_the_faces_and_across_the_axes():
 def test_bareness_of_an_end_is_measured():
     """A box of 80 mm by its upper and lower quarter: half is missing, and 20 mm are bare at most."""
     whole, up = box(0.04, 0.04, 0.08), np.array([0.0, 0, 1])
-    pieces = [hull_chunk(side, 64, 0) for side in (cut(whole, up, 0.02)[1], cut(whole, up, -0.02)[0])]
+    upper, lower = cut_by_plane(whole, up, 0.02)[1], cut_by_plane(whole, up, -0.02)[0]
+    pieces = [hull_chunk(side, 64, 0) for side in (upper, lower)]
     _, end = fitted_end(whole, [pieces], ContactSettings())
     assert end.meets
     assert (end.measures.extra, end.measures.missing) == pytest.approx((0.0, 0.5), abs=1e-4)

@@ -10,7 +10,7 @@ import trimesh
 from linkwright.stages.formats import png
 from linkwright.stages.show.preview.camera import framing
 from linkwright.stages.show.preview.compiled import look_of
-from linkwright.stages.show.preview.drawing.painting import picture, rendered
+from linkwright.stages.show.preview.drawing.painting import draw_picture, render
 from linkwright.stages.show.preview.drawing.studio import studio, swept, turned_by
 from linkwright.stages.show.preview.surface import surface_of
 from linkwright.stages.show.raster import seen
@@ -59,7 +59,7 @@ def scene_of(model, values=None):
 
 @cache
 def shown(xml):
-    return picture(scene_of(mujoco.MjModel.from_xml_string(xml)), *SIZE)
+    return draw_picture(scene_of(mujoco.MjModel.from_xml_string(xml)), *SIZE)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_a_robot_a_hundred_metres_high_has_the_picture_of_one_of_a_centimetre():
 def test_it_is_taken_at_home_or_with_the_values_given_and_is_the_same_twice():
     at_home = shown(arm())
     without = mujoco.MjModel.from_xml_string(arm(home=""))
-    placed = picture(scene_of(without, {"shoulder": -0.4, "other": 1.0}), *SIZE)
+    placed = draw_picture(scene_of(without, {"shoulder": -0.4, "other": 1.0}), *SIZE)
     assert np.array_equal(at_home, placed)
     assert not np.array_equal(at_home, shown(arm(home="")))
 
@@ -162,7 +162,7 @@ def test_a_texture_is_laid_on_the_right_way_up():
       <worldbody><camera name="overview" pos="0 -4 0.5" xyaxes="1 0 0 0 0 1"/>
       <body><geom type="mesh" mesh="t" material="t"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml, {"t.png": png.encode(image), "t.obj": TILE.encode()})
-    pixels = picture(scene_of(model), *SIZE).astype(int)
+    pixels = draw_picture(scene_of(model), *SIZE).astype(int)
     rows, columns = np.nonzero(robot_in(pixels))
     places = [np.quantile(positions, [0.25, 0.75]).astype(int) for positions in (rows, columns)]
     colours = [pixels[row, column] > 120 for row in places[0] for column in places[1]]
@@ -179,7 +179,7 @@ def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch
     monkeypatch.setattr("linkwright.stages.show.preview.surface._CELLS", 16)
     thin = scene_of(model)
     assert len(thin.corners) < len(whole.corners) / 2
-    pixels = [picture(robot, *SIZE) for robot in (whole, thin)]
+    pixels = [draw_picture(robot, *SIZE) for robot in (whole, thin)]
     first, second = (robot_in(pixel) for pixel in pixels)
     assert (first & second).sum() / (first | second).sum() > 0.95
     assert np.abs(np.median(pixels[0][first], axis=0) - np.median(pixels[1][second], axis=0)).max() < 12
@@ -227,6 +227,6 @@ def test_mujocos_own_renderer_sees_the_same_silhouette(model, tmp_path):
     assert 0.03 < own.mean() < 0.7
     assert (own & theirs).sum() / (own | theirs).sum() > 0.97
     # What is drawn is where the rasteriser sees it.
-    drawn = rendered(scene, framing(scene.corners.reshape(-1, 3), scene.backward, 640, 480))
+    drawn = render(scene, framing(scene.corners.reshape(-1, 3), scene.backward, 640, 480))
     changed = np.abs(drawn.astype(int) - drawn[0, 0].astype(int)).max(axis=2) > 60
     assert changed[own].mean() > 0.4
