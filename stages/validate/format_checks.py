@@ -7,28 +7,30 @@ from pathlib import Path
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.rows import FormatCheck
-from linkwright.stages.validate.srdf.read_back import check_file
+from linkwright.stages.validate.srdf.read_back import check_file as check_srdf
 
 
-def _srdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
-    return check_file(path, written, quick=quick)
-
-
-def _sdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
-    from linkwright.stages.validate.read.sdf import check_file  # read where there is an SDF
+def _check_sdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    # Late: only builds with an SDF need its reader.
+    from linkwright.stages.validate.read.sdf import check_file
 
     return check_file(path, written, quick=quick)
 
 
-def _usd(path: Path, written: Written, quick: bool) -> Iterable[Check]:
-    from linkwright.stages.validate.read.usd import check_file  # pxr
+def _check_usd(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    # Late: this imports pxr.
+    from linkwright.stages.validate.read.usd import check_file
 
     return check_file(path, written, quick=quick)
+
+
+def _check_srdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    return check_srdf(path, written, quick=quick)
 
 
 FORMAT_CHECKS: tuple[FormatCheck, ...] = (
-    FormatCheck("C-SRDF", ".srdf", _srdf),
-    FormatCheck("C-SDF", ".sdf", _sdf),
-    FormatCheck("C-USD", ".usda", _usd),
+    FormatCheck("C-SRDF", ".srdf", _check_srdf),
+    FormatCheck("C-SDF", ".sdf", _check_sdf),
+    FormatCheck("C-USD", ".usda", _check_usd),
 )
 """The checks by format, in the order of the report."""

@@ -112,15 +112,15 @@ def figures(here, cache, name, *, cold):
     yield Figure("colliders a link, without those", each, 4.0)
     errors = contact_errors(robot, POSES, SALT)
     pairs = [pair for pair in errors.pairs if pair.reason not in CHOSEN_REASONS]
-    shares = {pair: max(pair.false, pair.missed) / max(1, errors.poses) for pair in pairs}
+    shares = {pair: max(pair.false_count, pair.missed_count) / max(1, errors.pose_count) for pair in pairs}
     bad = sorted((pair for pair in pairs if shares[pair] > NAMED), key=lambda pair: -shares[pair])
     note = "; ".join(f"{_names(robot.model, pair)} {shares[pair]:.1%}" for pair in bad[:SHOWN])
     most = 3 if name in HARD else 0
-    yield Figure(f"pairs false or missed in > 1 % of {errors.poses}", len(bad), most, note=note)
+    yield Figure(f"pairs false or missed in > 1 % of {errors.pose_count}", len(bad), most, note=note)
     worst = 100.0 * max(shares.values(), default=0.0)
     yield Figure("the worst pair, % of poses", worst, 100.0 * (MOST if name in HARD else NAMED))
-    yield Figure("false contacts a pose", sum(pair.false for pair in pairs) / max(1, errors.poses))
-    home = [_names(robot.model, pair) for pair in pairs if pair.at_home]
+    yield Figure("false contacts a pose", sum(pair.false_count for pair in pairs) / max(1, errors.pose_count))
+    home = [_names(robot.model, pair) for pair in pairs if pair.home_depth]
     yield Figure("pairs that touch at home and stand apart", len(home), 0, note="; ".join(home[:SHOWN]))
     variants = models(folder)
     took = forward(variants)

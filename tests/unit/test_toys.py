@@ -433,7 +433,9 @@ def test_the_proof_of_a_format_is_a_reader_and_a_line(tree):
         "from linkwright.stages.validate.read import toy",
     )
     tree.add_line(
-        table, '    FormatCheck("C-SDF", ".sdf", _sdf),', '    FormatCheck("C-TOY", ".toy", toy.check_file),'
+        table,
+        '    FormatCheck("C-SDF", ".sdf", _check_sdf),',
+        '    FormatCheck("C-TOY", ".toy", toy.check_file),',
     )
     folder = tree.build("source=sample", "mesh=visual")
     tree.add("proof.py", PROOF)

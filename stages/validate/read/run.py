@@ -5,15 +5,15 @@ from pathlib import Path
 
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
-from linkwright.stages.validate.same.joints import joints
-from linkwright.stages.validate.same.loops import loops
-from linkwright.stages.validate.same.masses import masses
-from linkwright.stages.validate.same.motion import motion, poses
-from linkwright.stages.validate.same.names import names
+from linkwright.stages.validate.same.joints import compare_joints
+from linkwright.stages.validate.same.loops import compare_loops
+from linkwright.stages.validate.same.masses import compare_masses
+from linkwright.stages.validate.same.motion import compare_motion, compare_poses
+from linkwright.stages.validate.same.names import compare_names
 from linkwright.stages.validate.same.read_robot import ReadRobot, UnreadableFile
-from linkwright.stages.validate.same.relations import relations
+from linkwright.stages.validate.same.relations import compare_relations
 
-CHECKS = (masses, poses, motion, joints, relations, loops)
+CHECKS = (compare_masses, compare_poses, compare_motion, compare_joints, compare_relations, compare_loops)
 """The comparisons, in the order in which the report lists them."""
 
 
@@ -33,7 +33,7 @@ def run_checks(
     if quick:
         return
     yield from read_robot.first_checks()
-    names_check = names(read_robot)
+    names_check = compare_names(read_robot)
     yield names_check
     # With a name missing, the other checks would fail on look-ups.
     if names_check.passed:

@@ -20,7 +20,7 @@ FORCES = ("effort", "actuatorfrcrange")
 """Quantities that are compared relative to their value, however small it is."""
 
 
-def joints(read: ReadRobot) -> Iterator[Check]:
+def compare_joints(read: ReadRobot) -> Iterator[Check]:
     """Yields a single result."""
     wrong: dict[str, list[Finding]] = {}
     for joint in read.joints():

@@ -10,7 +10,7 @@ from linkwright.stages.validate.model.coordinates import distance, spread_values
 from linkwright.stages.validate.same.read_robot import FoundPose, ReadRobot
 
 
-def loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
+def compare_loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
     """Yields a single result for a robot with loops. `name`: the name of the check."""
     worst, worst_loop, findings_by_place = 0.0, "", dict[tuple[str, str], tuple[float, Finding]]()
     for turn in range(2):

@@ -19,7 +19,7 @@ from linkwright.stages.validate.model.mass_properties import (
 from linkwright.stages.validate.same.read_robot import AttributeNames, ReadRobot
 
 
-def masses(read: ReadRobot) -> Iterator[Check]:
+def compare_masses(read: ReadRobot) -> Iterator[Check]:
     """Yields a result for each quantity."""
     worst, worst_link = dict.fromkeys(UNITS, 0.0), dict.fromkeys(UNITS, "")
     findings: dict[str, list[tuple[float, Finding]]] = {key: [] for key in UNITS}

@@ -15,90 +15,103 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.findings import shown
 from linkwright.stages.validate.model.coordinates import CAD_ERROR, distance, saved_values, spread_values
 from linkwright.stages.validate.same.differences import PosePair, differences
-from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
+from linkwright.stages.validate.same.read_robot import ElementKind, Poses, ReadRobot
 
 
-def poses(read: ReadRobot) -> Iterator[Check]:
-    """Checks that every part is where CAD's occurrence has it, at the saved configuration.
+def compare_poses(read_robot: ReadRobot) -> Iterator[Check]:
+    """Checks that every part is where CAD's occurrence has it, at the saved values of the dofs.
 
-    Poses are relative to the root, which a file may put anywhere. Links on free joints that the file does not
-    have may be anywhere.
+    Poses are relative to the root, which a file may put anywhere. Links that the joints of the file do not
+    connect to the root are not compared, since they may be anywhere.
     """
-    robot = read.robot
-    links = read.poses({**saved_values(robot), **read.fixed_dofs}).links
-    root_from_cad, worst, worst_part, holder = inverse(robot.world_from_root), 0.0, "", ""
-    held_links = _held_links(read)
+    robot, precision = read_robot.robot, read_robot.precision
+    q = {**saved_values(robot), **read_robot.fixed_dofs}
+    root_from_link = read_robot.poses(q).links
+    root_from_cad = inverse(robot.world_from_root)
+    connected_links = _connected_links(read_robot)
+    worst, worst_part, worst_link = 0.0, "", ""
     for link in robot.links:
-        for part in link.parts if link.name in held_links else ():
-            value = distance(links[link.name] @ part.link_from_part, root_from_cad @ part.world_from_part)
-            if not value < worst:
-                worst, worst_part, holder = value, part.name, link.name
+        for part in link.parts if link.name in connected_links else ():
+            root_from_part = root_from_link[link.name] @ part.link_from_part
+            error = distance(root_from_part, root_from_cad @ part.world_from_part)
+            # NaN, the error of a missing link, is not smaller either.
+            if not error < worst:
+                worst, worst_part, worst_link = error, part.name, link.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {worst_part}"
-    limit = max(CAD_ERROR, read.precision.pose * (_size(links) if read.precision.scales_with_size else 1.0))
+    limit = max(CAD_ERROR, precision.pose * _pose_scale(read_robot, root_from_link))
     findings: tuple[Finding, ...] = ()
     if not worst <= limit:
         message = f"its part {worst_part} is {shown(worst)} m or rad from CAD's occurrence"
-        element = read.element("link", holder)
-        findings = kinematic_differences(read) or (Finding(element, read.attribute_names.place[0], message),)
-    yield read.within("poses", worst, limit, detail, findings)
+        element = read_robot.element("link", worst_link)
+        findings = kinematic_differences(read_robot) or (
+            Finding(element, read_robot.attribute_names.place[0], message),
+        )
+    yield read_robot.within("poses", worst, limit, detail, findings)
 
 
-def motion(read: ReadRobot) -> Iterator[Check]:
-    """Compares links and frames at spread values of the dofs."""
-    worst, worst_name, pairs = 0.0, "", pose_pairs(read)
+def compare_motion(read_robot: ReadRobot) -> Iterator[Check]:
+    """Compares links and frames with the robot's own kinematics, at several values of the dofs."""
+    worst, worst_name, pairs = 0.0, "", pose_pairs(read_robot)
     for pair in pairs:
-        for name, value in _pose_errors(read, pair):
-            value = math.inf if math.isnan(value) else value
-            if value > worst:
-                worst, worst_name = value, name
+        for name, error in _pose_errors(read_robot, pair):
+            error = math.inf if math.isnan(error) else error
+            if error > worst:
+                worst, worst_name = error, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
-    limit, findings = read.precision.pose, tuple[Finding, ...]()
+    limit, findings = read_robot.precision.pose, tuple[Finding, ...]()
     if not worst <= limit:
-        element = read.element("frame" if worst_name in pairs[0].actual.frames else "link", worst_name)
+        kind: ElementKind = "frame" if worst_name in pairs[0].actual.frames else "link"
         message = f"is {shown(worst)} m or rad from where the robot has it"
-        findings = differences(read, pairs) or (Finding(element, read.attribute_names.place[0], message),)
-    yield read.within("motion", worst, limit, detail + worst_name, findings)
+        findings = differences(read_robot, pairs) or (
+            Finding(read_robot.element(kind, worst_name), read_robot.attribute_names.place[0], message),
+        )
+    yield read_robot.within("motion", worst, limit, detail + worst_name, findings)
 
 
-def kinematic_differences(read: ReadRobot) -> tuple[Finding, ...]:
-    """Returns findings on the causes of links or frames that are not at the robot's places."""
-    return differences(read, pose_pairs(read))
+def kinematic_differences(read_robot: ReadRobot) -> tuple[Finding, ...]:
+    """Returns findings on the joints, links and frames that misplace links or frames, see `differences`."""
+    return differences(read_robot, pose_pairs(read_robot))
 
 
-def pose_pairs(read: ReadRobot) -> list[PosePair]:
-    """Returns the poses of the file and of the robot: first at the file's own placement or at zero, then at
-    spread values."""
-    robot, pairs = read.robot, []
-    for q in (
-        read.file_configuration,
-        *({**spread_values(robot, turn), **read.fixed_dofs} for turn in range(3)),
-    ):
+def pose_pairs(read_robot: ReadRobot) -> list[PosePair]:
+    """Returns the poses of the file and of the robot at four configurations: first as the file places the
+    links, or at zero; then at spread values."""
+    robot, pairs = read_robot.robot, []
+    spread_configurations = ({**spread_values(robot, turn), **read_robot.fixed_dofs} for turn in range(3))
+    for q in (read_robot.file_configuration, *spread_configurations):
         links = link_poses(robot, q)
         frames = {frame.name: links[frame.link] @ frame.link_from_frame for frame in robot.frames}
-        pairs.append(PosePair(read.poses(q), Poses(links, frames)))
+        pairs.append(PosePair(read_robot.poses(q), Poses(links, frames)))
     return pairs
 
 
-def _pose_errors(read: ReadRobot, pair: PosePair) -> Iterator[tuple[str, float]]:
-    size = _size(pair.expected.links) if read.precision.scales_with_size else 1.0
+def _pose_errors(read_robot: ReadRobot, pair: PosePair) -> Iterator[tuple[str, float]]:
+    """Yields the error [m, rad] of each link and frame that the file has, by name. If the precision of the
+    format scales with the robot's size, errors are divided by it."""
+    scale = _pose_scale(read_robot, pair.expected.links)
     for actual, expected in (
         (pair.actual.links, pair.expected.links),
         (pair.actual.frames, pair.expected.frames),
     ):
-        yield from (
-            (name, distance(actual[name], pose) / size) for name, pose in expected.items() if name in actual
-        )
+        for name, pose in expected.items():
+            if name in actual:
+                yield name, distance(actual[name], pose) / scale
 
 
-def _size(links: Mapping[str, Array]) -> float:
-    """Returns the robot's reach [m] from its root, at least 1."""
-    return max(1.0, *(float(np.abs(pose[:3, 3]).max()) for pose in links.values()))
+def _pose_scale(read_robot: ReadRobot, links: Mapping[str, Array]) -> float:
+    """Returns the factor of the format's tolerance of poses: the reach [m] of the links from the root, at
+    least 1, if the tolerance scales with it; else 1. `links`: root_from_link (4, 4) by name."""
+    if not read_robot.precision.scales_with_size:
+        return 1.0
+    return max(1.0, *(float(np.abs(root_from_link[:3, 3]).max()) for root_from_link in links.values()))
 
 
-def _held_links(read: ReadRobot) -> set[str]:
+def _connected_links(read_robot: ReadRobot) -> set[str]:
     """Returns the links that the joints of the file connect to the root."""
-    held_links = {read.robot.root.name}
-    for joint in read.robot.joints:
-        if joint.parent in held_links and not any(dof.name in read.fixed_dofs for dof in joint.dofs):
-            held_links.add(joint.child)
-    return held_links
+    connected_links = {read_robot.robot.root.name}
+    # Parents come before their children.
+    for joint in read_robot.robot.joints:
+        is_in_file = not any(dof.name in read_robot.fixed_dofs for dof in joint.dofs)
+        if joint.parent in connected_links and is_in_file:
+            connected_links.add(joint.child)
+    return connected_links

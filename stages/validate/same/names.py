@@ -6,7 +6,7 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.same.read_robot import ReadRobot
 
 
-def names(read: ReadRobot) -> Check:
+def compare_names(read: ReadRobot) -> Check:
     """Returns a single result, with findings on missing names, then on names that are not the robot's."""
     actual, expected = read.names_found(), read.names_expected()
     missing = [(tag, name) for tag, names in expected.items() for name in sorted(names - actual[tag])]

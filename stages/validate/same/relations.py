@@ -10,7 +10,7 @@ from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 from linkwright.stages.validate.same.read_robot import FoundMimic, ReadRobot
 
 
-def relations(read: ReadRobot) -> Iterator[Check]:
+def compare_relations(read: ReadRobot) -> Iterator[Check]:
     """Yields a single result."""
     read_mimics = read.mimics()
     if read_mimics is None:

@@ -50,37 +50,37 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     poses = max(MIN_POSES, min(POSES, MAX_LINK_POSES // len(compiled.robot.links)))
     errors = contact_errors(compiled, poses)
-    worst = sorted(errors.pairs, key=lambda pair: -max(pair.false, pair.missed))
-    wrong = [pair for pair in worst if _is_wrong(pair, errors.poses)]
+    worst = sorted(errors.pairs, key=lambda pair: -max(pair.false_count, pair.missed_count))
+    wrong = [pair for pair in worst if _is_wrong(pair, errors.pose_count)]
     is_error = any(
-        _share(pair, errors.poses) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong
+        _share(pair, errors.pose_count) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong
     )
-    sample = f"{count(errors.bodies, 'link')} in {count(errors.poses, 'pose')} and at home"
+    sample = f"{count(errors.body_count, 'link')} in {count(errors.pose_count, 'pose')} and at home"
     detail = f"{sample}: colliders touch exactly where visual shapes do"
     if wrong:
         detail = (
             f"{count(len(wrong), 'pair')} of links touch where their visual shapes do not, or pass through "
             f"each other where these touch ({sample})"
         )
-    findings = few(_finding(compiled.model, pair, errors.poses) for pair in wrong)
+    findings = few(_finding(compiled.model, pair, errors.pose_count) for pair in wrong)
     level: CheckLevel = "error" if is_error else "warning"
     result = compiled.within("false contacts", float(len(wrong)), 0.0, detail, findings, level)
-    rows = tuple(_row(compiled.model, pair, errors.poses) for pair in worst)
+    rows = tuple(_row(compiled.model, pair, errors.pose_count) for pair in worst)
     yield replace(result, table=Table(HEADER, rows) if rows else None)
 
 
 def _is_wrong(pair: PairErrors, poses: int) -> bool:
     """Tells whether a pair is reported."""
-    wrong_poses = max(pair.false, pair.missed)
+    wrong_poses = max(pair.false_count, pair.missed_count)
     return pair.reason not in CHOSEN_REASONS and (
-        pair.at_home > 0.0 or (wrong_poses >= MIN_COUNT and wrong_poses > MIN_SHARE * poses)
+        pair.home_depth > 0.0 or (wrong_poses >= MIN_COUNT and wrong_poses > MIN_SHARE * poses)
     )
 
 
 def _share(pair: PairErrors, poses: int) -> float:
     """Returns the share of the poses in which the contact of a pair is wrong: false, or missed, if that is
     more."""
-    return max(pair.false, pair.missed) / max(1, poses)
+    return max(pair.false_count, pair.missed_count) / max(1, poses)
 
 
 def _is_chosen(compiled: CompiledModel, pair: PairErrors) -> bool:
@@ -97,20 +97,22 @@ def _is_chosen(compiled: CompiledModel, pair: PairErrors) -> bool:
 def _finding(model: Any, pair: PairErrors, poses: int) -> Finding:
     first, second = (model.body(body).name for body in pair.bodies)
     texts = []
-    if pair.false:
-        distance = f"up to {_mm(pair.apart)} apart"
-        texts.append(f"collide in {pair.false} of {poses} poses in which their visual shapes are {distance}")
-    if pair.missed:
-        texts.append(f"pass through each other in {pair.missed} of {poses} poses")
-    if pair.at_home:
-        texts.append(f"overlap by {_mm(pair.at_home)} at home, where their visual shapes are apart")
+    if pair.false_count:
+        distance = f"up to {_mm(pair.max_distance)} apart"
+        texts.append(
+            f"collide in {pair.false_count} of {poses} poses in which their visual shapes are {distance}"
+        )
+    if pair.missed_count:
+        texts.append(f"pass through each other in {pair.missed_count} of {poses} poses")
+    if pair.home_depth:
+        texts.append(f"overlap by {_mm(pair.home_depth)} at home, where their visual shapes are apart")
     return Finding(named("body", first), "geom", f"{first} and {second} {', and '.join(texts)}")
 
 
 def _row(model: Any, pair: PairErrors, poses: int) -> tuple[str | float | None, ...]:
     names = (model.body(body).name for body in pair.bodies)
-    shares = [round(100.0 * number / max(1, poses), 1) for number in (pair.false, pair.missed)]
-    lengths = [round(1e3 * length, 2) for length in (pair.apart, pair.at_home)]
+    shares = [round(100.0 * number / max(1, poses), 1) for number in (pair.false_count, pair.missed_count)]
+    lengths = [round(1e3 * length, 2) for length in (pair.max_distance, pair.home_depth)]
     return (*names, shares[0], lengths[0], shares[1], lengths[1], pair.reason or "")
 
 

@@ -22,7 +22,7 @@ from linkwright.stages.validate.findings import few, named, shown
 from linkwright.stages.validate.model.coordinates import link_pose, saved_values, set_values
 from linkwright.stages.validate.model.equalities import bodies, ends, solver_differences
 from linkwright.stages.validate.read.compiled import read_compiled
-from linkwright.stages.validate.same.loops import loops
+from linkwright.stages.validate.same.loops import compare_loops
 
 POSES = 9
 """Number of poses at which a URDF's loops are checked."""
@@ -36,7 +36,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf:
         if compiled.written.urdf_form.closed:
             yield _closed_by_relations(compiled)
-        yield from loops(read_compiled(compiled), "frames of loops")
+        yield from compare_loops(read_compiled(compiled), "frames of loops")
         return
     robot, model = compiled.robot, compiled.model
     closures = Counter(
@@ -53,7 +53,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     findings = few(_equalities(compiled)) if wrong else ()
     yield compiled.within("loops", float(wrong), 0.0, detail, findings)
     if robot.loops and not wrong:
-        yield from loops(read_compiled(compiled), "frames of loops")
+        yield from compare_loops(read_compiled(compiled), "frames of loops")
         yield _held_fast(compiled)
 
 

@@ -12,7 +12,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, named
 from linkwright.stages.validate.model.equalities import solver_differences
 from linkwright.stages.validate.read.compiled import read_compiled
-from linkwright.stages.validate.same.relations import relations
+from linkwright.stages.validate.same.relations import compare_relations
 
 SOLREF = (0.005, 1.0)
 """Expected `solref` of relations: time constant [s] and damping ratio."""
@@ -20,7 +20,7 @@ SOLREF = (0.005, 1.0)
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares the relations and, in an MJCF, how stiffly they are enforced."""
-    (relation_check,) = relations(read_compiled(compiled))
+    (relation_check,) = compare_relations(read_compiled(compiled))
     yield relation_check
     if relation_check.passed and compiled.robot.relations and not compiled.urdf:
         yield _stiffness_check(compiled)
