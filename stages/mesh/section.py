@@ -21,12 +21,13 @@ class VisualSection(Section):
     """Visual meshes."""
 
     merge: Literal["colour", "part"] = "colour"
-    """colour: one mesh per link and colour; part: one mesh per part, and one for each of its colours where it
-    has several."""
+    """colour: a mesh for each link and colour; part: a mesh for each part, or for each colour of a part with
+    several colours."""
 
     max_faces: Count = 20000
-    """Largest number of triangles of a link. A part's surface never moves by more than 0.2 mm or 0.3 % of its
-    diagonal, whichever is larger: if that needs more triangles, the link keeps them, with a warning."""
+    """Largest number of triangles of a link's visual meshes. A part's surface never moves by more than 0.2 mm
+    or 0.3 % of its diagonal, whichever is larger: if that needs more triangles, the link keeps them, with a
+    warning."""
 
 
 class MeshSection(Section):
@@ -48,8 +49,8 @@ class MeshSection(Section):
         example({"*finger*": {"make": "coacd", "tolerance": 0.001}, "base": "box", "*screw*": "none"}),
     ] = Field(default_factory=dict)
     """Glob on names of links or parts → how their colliders are made; the last glob that matches counts. If
-    the name is a link's, a single box or hull encloses all parts of the link; if it is a part's, only that
-    part."""
+    it matches the link, a single box or hull encloses all parts of the link; if it matches only a part, the
+    box or hull encloses only that part."""
 
     tolerance: Annotated[PositiveLength | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for colliders that can follow the
@@ -91,19 +92,19 @@ class MeshSection(Section):
     """Visual meshes."""
 
     format: Literal["stl", "obj", "glb"] = "stl"
-    """Format of the mesh files. stl: binary STL; obj: Wavefront OBJ; glb: the URDF and the SDF show one GLB
-    (binary glTF 2) a link, with its colours, normals and images; colliders, and what the MJCF and the USD
-    show, are STL. Outside of a GLB a mesh with a texture is always an OBJ, with an MTL and the PNG beside it:
-    an STL has no texture coordinates."""
+    """Format of the mesh files. stl: binary STL; obj: Wavefront OBJ; glb: the URDF and the SDF show a GLB
+    (binary glTF 2) for each link, with its colours, normals and images; colliders, and the visual meshes of
+    the MJCF and the USD, are STL. Outside of a GLB, a mesh with a texture is always an OBJ, with an MTL and a
+    PNG beside it, since an STL has no texture coordinates."""
 
     glb_up: Literal["z", "y"] = "z"
-    """How a GLB lies. z: in the frame of the link, for readers that take it as it is (Gazebo, yourdfpy,
-    three.js, RViz before 15.1.4); y: turned so that the link's z axis is the y axis, which glTF calls up, for
-    readers that turn it back (RViz from 15.1.4 on, Blender)."""
+    """Axis of a GLB along which the link's z axis points. z: the GLB is in the frame of the link, for readers
+    that take it as it is (Gazebo, yourdfpy, three.js, RViz before 15.1.4); y: it is turned, since y points up
+    in glTF, for readers that turn it back (RViz from 15.1.4 on, Blender)."""
 
     assets: Literal["files", "none"] = "files"
-    """files: meshes are written beside the model; none: the model has masses and
-    primitives, but no meshes."""
+    """files: meshes are written beside the model; none: the model has masses and primitives, but no
+    meshes."""
 
 
 class ContactSection(Section):
@@ -114,10 +115,9 @@ class ContactSection(Section):
 
     self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "auto"
     """Contact of the robot with itself. auto: links collide with each other, except neighbours, and except
-    links that touch in every pose, or only those of their colliders that touch in every pose; none: links do
-    not collide with each other; all: they do, except the pairs of `exclude`, and except the links on either
-    side of a joint, which MuJoCo excludes by itself unless one of them is fixed to the world. All links
-    collide with the ground and other objects."""
+    those colliders of two links that touch in every pose; none: links do not collide with each other; all:
+    they do, except the pairs of `exclude`, and except the two links of a joint, which MuJoCo excludes by
+    itself unless one of them is fixed to the world. All links collide with the ground and other objects."""
 
 
 class IgnoreSection(Section):
@@ -141,8 +141,8 @@ class MeshSections(OptionalSection, TargetSections):
         dict[Text, GeomSection], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
     ] = Field(default_factory=dict)
     """Glob on links, or on CAD parts for their colliders → properties of these geoms in the MJCF; later
-    entries win, property by property. A part that a glob names, while its link is not named, has its own
-    collider."""
+    entries win, property by property. A part that a glob matches, and whose link it does not match, has its
+    own collider."""
 
     contact: ContactSection = ContactSection()
     """Contact between the links of the robot."""
