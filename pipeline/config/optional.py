@@ -5,7 +5,7 @@ from typing import Any
 
 from linkwright.pipeline.errors import Diagnostic
 from linkwright.stages.robot.optional_section import GLOB_KEYS, all_globs, globs_of
-from linkwright.stages.robot.text.globs import did_you_mean, there_are
+from linkwright.stages.robot.text.globs import did_you_mean, no_match_hint
 
 KEY = "optional"
 
@@ -33,7 +33,7 @@ def without_effect(tree: Mapping[str, Any]) -> Iterator[Diagnostic]:
         tree_globs = list(globs_of(tree, key))
         for glob in globs if isinstance(globs, list | tuple) else ():
             if glob not in tree_globs:
-                hint = there_are(str(glob), {"its globs": tree_globs})
+                hint = no_match_hint(str(glob), {"its globs": tree_globs})
                 yield Diagnostic(
                     "E-VALUE", f"{key} has no glob {glob!r} that could be optional", f"{KEY}.{key}", hint
                 )

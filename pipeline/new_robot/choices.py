@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from linkwright.pipeline.new_robot.joint_table import WHEEL, JointRow
 from linkwright.stages.robot.model.robot import Link, Robot
-from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
 
 FOOT = "*[Ff]oot*"
 """The glob of feet in `conf/robot/legged.yaml`."""
@@ -70,13 +70,15 @@ def _base(
         return "auto", f"the base is {standing}"
     if len(feet) > 1:
         overruled = f"; in the source it is {standing}" if is_fixed else ""
-        reason = f"these links look like feet, so the base is free, and the feet do not slip: {listed(feet)}"
+        reason = (
+            f"these links look like feet, so the base is free, and the feet do not slip: {name_list(feet)}"
+        )
         return "legged", reason + overruled
     wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
     if is_fixed or not rows:
         return "auto", f"the base is {standing}"
     if wheels:
-        return "auto", f"the base is {standing}; it has wheels: {listed(wheels)}"
+        return "auto", f"the base is {standing}; it has wheels: {name_list(wheels)}"
     silence = "a URDF does not say whether the base is fixed" if kind == "urdf" else "CAD fixes no part"
     return "fixed", f"{silence}, and no name has foot or wheel in it; with free it could move"
 
@@ -101,7 +103,7 @@ def _entries(robot: Robot, rows: Sequence[JointRow], base: str, weighed: bool) -
         )
     wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
     if wheels:
-        entries |= {escaped(name): {"type": "velocity"} for name in wheels}
+        entries |= {exact_glob(name): {"type": "velocity"} for name in wheels}
         reasons.append("wheels hold a speed")
     return entries, "; ".join(reasons)
 
@@ -117,7 +119,7 @@ def _geoms(robot: Robot, kind: str) -> tuple[dict[str, Any], str]:
         holders = [link.name for link in robot.links if _is_called(link, glob)]
         if holders:
             globs[glob] = holders
-    names = listed(name for holders in globs.values() for name in holders)
+    names = name_list(name for holders in globs.values() for name in holders)
     reason = f"what a gripper holds neither slips nor spins; these links look like one: {names}"
     return {glob: {"collision": GRIPPER_CONTACT} for glob in globs}, reason if globs else ""
 
@@ -131,4 +133,4 @@ def _names(link: Link) -> Iterator[str]:
     """Yields the names of a link and its parts."""
     yield link.name
     for part in link.parts:
-        yield unnumbered(re.sub(r"^.*/", "", part.name))
+        yield without_number(re.sub(r"^.*/", "", part.name))

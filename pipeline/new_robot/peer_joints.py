@@ -7,7 +7,7 @@ from typing import Any
 from linkwright.pipeline.new_robot.joint_table import JointRow
 from linkwright.stages.export.configuration.actuator_section import fields_of
 from linkwright.stages.robot.model.robot import Dof, Robot
-from linkwright.stages.robot.text.globs import escaped
+from linkwright.stages.robot.text.globs import exact_glob
 
 _JOINT = {
     "max_effort": "effort",
@@ -68,11 +68,11 @@ def _add_limits(joints: dict[str, Any], dof: Dof, limits: Any) -> None:
     """Adds limits to the entry of a joint, in the mate's own value: there they count from the saved pose."""
     if isinstance(limits, Sequence) and len(limits) == 2 and dof.kind in ("turn", "slide"):
         ends = sorted(round(dof.in_mate.of(float(end)), 9) for end in limits)
-        joints.setdefault(escaped(dof.name), {})["limits"] = ends
+        joints.setdefault(exact_glob(dof.name), {})["limits"] = ends
 
 
 def _add_actuator(actuators: dict[str, Any], row: JointRow, values: Mapping[str, Any]) -> None:
-    name = escaped(row.name)
+    name = exact_glob(row.name)
     if values.get("actuated") is False:
         actuators[name] = "none"
         return

@@ -13,7 +13,7 @@ from linkwright.pipeline.new_robot.peer_config import PeerConfig
 from linkwright.pipeline.new_robot.peer_joints import converted_joints
 from linkwright.pipeline.reference.peers import ONSHAPE_TO_ROBOT
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.robot.text.globs import escaped, unnumbered
+from linkwright.stages.robot.text.globs import exact_glob, without_number
 from linkwright.stages.robot.text.names import legal
 
 SOURCE_OPTIONS = (
@@ -65,7 +65,9 @@ class Conversion:
     def parts(self, glob: str) -> list[str]:
         """Returns the names in CAD of the parts that a glob of onshape-to-robot matches: on names without
         number, in any case, as typed or with underscores."""
-        names = {unnumbered(part.name.rpartition("/")[2]) for link in self.robot.links for part in link.parts}
+        names = {
+            without_number(part.name.rpartition("/")[2]) for link in self.robot.links for part in link.parts
+        }
         small = glob.lower()
         return sorted(
             name for name in names if fnmatchcase(name.lower(), small) or fnmatchcase(legal(name), small)
@@ -113,7 +115,7 @@ def _ignore(conversion: Conversion, value: Any) -> None:
                 hidden[role] = [name for name in hidden[role] if name not in names]
             else:
                 hidden[role] += [name for name in names if name not in hidden[role]]
-    keys = {role: [escaped(name) for name in names] for role, names in hidden.items() if names}
+    keys = {role: [exact_glob(name) for name in names] for role, names in hidden.items() if names}
     if keys:
         conversion.set("ignore", keys)
 
@@ -135,7 +137,7 @@ def _geom_properties(conversion: Conversion, value: Any) -> None:
                 )
                 conversion.note("geom_properties", text)
             for name in names if contact else ():
-                geoms.setdefault(escaped(name), {}).setdefault(role, {}).update(contact)
+                geoms.setdefault(exact_glob(name), {}).setdefault(role, {}).update(contact)
     if geoms:
         conversion.set("geoms", geoms)
 

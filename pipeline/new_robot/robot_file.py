@@ -9,7 +9,7 @@ from linkwright.pipeline.new_robot.choices import RobotChoices
 from linkwright.pipeline.new_robot.joint_table import JointRow
 from linkwright.pipeline.new_robot.yaml_lines import comment, entry, flow
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.text.globs import escaped, fits
+from linkwright.stages.robot.text.globs import exact_glob, matches_glob
 from linkwright.stages.robot.text.plural import count
 
 _REMEDIES: Mapping[str, tuple[str, ...]] = {
@@ -145,12 +145,12 @@ def _to_fill_in(robot: NewRobot) -> Iterator[str]:
     """Yields a line for each joint without some values, which no converted key gives it either."""
     entries: Mapping[str, Mapping[str, Any]] = robot.converted.get("joints", {})
     for row in robot.rows:
-        values = [set(keys) for glob, keys in entries.items() if fits(row.name, glob)]
+        values = [set(keys) for glob, keys in entries.items() if matches_glob(row.name, glob)]
         missing = {
             key: value for key, value in row.missing.items() if not any(key in keys for keys in values)
         }
-        if missing and escaped(row.name) not in entries:
-            yield entry(escaped(row.name), missing, "  ", active=False)
+        if missing and exact_glob(row.name) not in entries:
+            yield entry(exact_glob(row.name), missing, "  ", active=False)
 
 
 def _joints(robot: NewRobot) -> Iterator[str]:
@@ -177,7 +177,7 @@ def _actuators(robot: NewRobot) -> Iterator[str]:
     choices = robot.choices
     converted = robot.converted.get("actuators", {})
     entries = {**(choices.entries if choices else {}), **converted}
-    turning = next((escaped(row.name) for row in robot.rows if row.driven and row.kind == "turn"), None)
+    turning = next((exact_glob(row.name) for row in robot.rows if row.driven and row.kind == "turn"), None)
     offered = turning if choices and choices.actuators == "position" and turning not in entries else None
     if not entries and offered is None:
         return

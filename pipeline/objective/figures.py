@@ -12,7 +12,7 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.stages.export import export
 from linkwright.stages.formats.written import NO_SHAPES
 from linkwright.stages.robot.motion.reach import reaches
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.validate.check_options import CheckOptions, known_payload
 from linkwright.stages.validate.torque_share import torque_share
 
@@ -64,7 +64,7 @@ def _reach(robot: "model.Robot", frame: str) -> float:
     reach_of = reaches(robot)
     if frame and frame not in reach_of:
         msg = f"the robot has no frame {frame}"
-        raise ConfigError(msg, KEY, nearest(frame, reach_of) or f"it has {listed(reach_of)}")
+        raise ConfigError(msg, KEY, nearest(frame, reach_of) or f"it has {name_list(reach_of)}")
     return reach_of[frame] if frame else max(reach_of.values())
 
 
@@ -101,7 +101,7 @@ def number_at(tree: Mapping[str, Any], path: str) -> float:
             msg = f"robot.json has no {path}"
             parent = ".".join(words[:consumed]) or "it"
             names = [name for name in inside if not name.isdecimal()] or list(inside)
-            hint = nearest(words[consumed], names) or (f"{parent} has {listed(names)}" if names else "")
+            hint = nearest(words[consumed], names) or (f"{parent} has {name_list(names)}" if names else "")
             raise ConfigError(msg, KEY, hint)
         value = inside[".".join(words[consumed : ends[0]])]
         consumed = ends[0]

@@ -5,7 +5,7 @@ from typing import Any
 
 from linkwright.pipeline.page.html.tables import PageTable, plain_table
 from linkwright.pipeline.page.html.template import rendered
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 
@@ -32,4 +32,4 @@ def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
 def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:
     """Returns the text of the excluded colliders of both links. `colliders`: the names of each link's
     colliders; None for all."""
-    return "all" if colliders is None else " against ".join(map(listed, colliders))
+    return "all" if colliders is None else " against ".join(map(name_list, colliders))

@@ -15,7 +15,7 @@ from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.pipeline.terminal import pasted
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.validate.user_checks import UserCheck
@@ -51,7 +51,7 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
             if callable(value) and attribute[0] != "_"
         )
         msg = f"{module} has no function or class {name}"
-        raise ConfigError(msg, where, f"it has {listed(public)}" if public else "")
+        raise ConfigError(msg, where, f"it has {name_list(public)}" if public else "")
     return code
 
 

@@ -29,7 +29,7 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.targets.diagnostic import replacement_diagnostic
 from linkwright.stages.targets.options import REPLACEABLE_ACTUATORS, actuation_of, targets_replacing
 from linkwright.stages.targets.things import dropped_things
@@ -136,7 +136,7 @@ def _for_targets(keys: ExportSections, before: Actuation, after: Actuation) -> I
     for kind, thing in REPLACEABLE_ACTUATORS.items():
         changed = [(old.name, new.type) for old, new in pairs if old.type == kind != new.type]
         if changed:
-            names = listed(name for name, _ in changed)
+            names = name_list(name for name, _ in changed)
             text = f"actuators have another form with the same force, {kind} → {changed[0][1]}: {names}"
             yield replacement_diagnostic(text, targets_replacing(keys.target.chosen, thing))
 

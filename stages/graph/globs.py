@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Joint, Loop, Robot
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 from linkwright.stages.robot.text.names import RESERVED
 
 Entry = TypeVar("Entry")
@@ -37,7 +37,9 @@ def entries_of(
     used_indices = {index for indices in matches_by_thing for index in indices}
     for index, glob in enumerate(sections):
         if index not in used_indices:
-            hint = there_are(glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]})
+            hint = no_match_hint(
+                glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]}
+            )
             log.unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
     return iter(matches_by_thing)
 

@@ -9,7 +9,7 @@ import networkx as nx
 from linkwright.stages.graph.mechanism import RelationSpec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Value
-from linkwright.stages.robot.text.globs import as_key
+from linkwright.stages.robot.text.globs import yaml_key
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,9 @@ def trees_of(relations: Sequence[DofRelation], log: Diagnostics) -> list[list[Do
     for relation in relations:
         if forest[relation.driver] == forest[relation.follower]:
             text = f"the joints {relation.driver!r} and {relation.follower!r} are related already"
-            hint = f"remove the redundant relation, or relations: {{{as_key(relation.name)}: {{drop: true}}}}"
+            hint = (
+                f"remove the redundant relation, or relations: {{{yaml_key(relation.name)}: {{drop: true}}}}"
+            )
             log.report("E-RELATION", text, relation.title, hint)
             continue
         forest.union(relation.driver, relation.follower)

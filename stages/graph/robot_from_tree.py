@@ -32,7 +32,7 @@ from linkwright.stages.robot.model.robot import (
     frozen,
 )
 from linkwright.stages.robot.motion.tree_paths import paths_up
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 from linkwright.stages.robot.text.names import free
 
 SOLREF = (0.005, 1.0)
@@ -195,8 +195,8 @@ def _frames(
     """Returns the mate connectors that `frames.include` chooses, on their links; reports E-GLOB for a glob
     that chooses none."""
     for glob in include:
-        if not any(fits(marker.name, glob) for marker in mechanism.markers):
-            hint = there_are(glob, {"frames": [marker.name for marker in mechanism.markers]})
+        if not any(matches_glob(marker.name, glob) for marker in mechanism.markers):
+            hint = no_match_hint(glob, {"frames": [marker.name for marker in mechanism.markers]})
             log.unmatched("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint, glob)
     frames = [
         Frame(
@@ -207,6 +207,6 @@ def _frames(
             marker.joint,
         )
         for marker in mechanism.markers
-        if marker.body in world_from_link and any(fits(marker.name, glob) for glob in include)
+        if marker.body in world_from_link and any(matches_glob(marker.name, glob) for glob in include)
     ]
     return tuple(sorted(frames, key=lambda frame: frame.name))

@@ -10,7 +10,7 @@ from linkwright.stages.graph.section import RootSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import NoRoot
 from linkwright.stages.robot.model.robot import Array, Base
-from linkwright.stages.robot.text.globs import matching, with_plain
+from linkwright.stages.robot.text.globs import matching_indices, with_plain_titles
 
 
 def choose_root(mechanism: Mechanism, section: RootSection) -> tuple[int, Array]:
@@ -69,8 +69,8 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
         graph.add_edges_from(connection.bodies for connection in mechanism.connections)
         closeness = nx.closeness_centrality(graph)
         return min(range(len(bodies)), key=lambda number: (-closeness[number], bodies[number].name))
-    matches = matching(select, [{body.name} for body in bodies])
-    matches = matches or matching(select, [with_plain(body.titles) for body in bodies])
+    matches = matching_indices(select, [{body.name} for body in bodies])
+    matches = matches or matching_indices(select, [with_plain_titles(body.titles) for body in bodies])
     if len(matches) == 1:
         return matches[0]
     candidates = ", ".join(sorted(bodies[number].name for number in matches or range(len(bodies))))

@@ -13,7 +13,7 @@ from linkwright.stages.graph.section import GraphSections, RootSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic, Disconnected
 from linkwright.stages.robot.model.robot import Array, JointType
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 from linkwright.stages.robot.text.plural import count
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
@@ -95,7 +95,7 @@ def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> li
     related = {name for spec in mechanism.relations for name in spec.connections}
     for glob in cut:
         if not any(_has_name(connection, glob) for connection in mechanism.connections):
-            hint = there_are(
+            hint = no_match_hint(
                 glob, {"mates that move": [connection.name for connection in mechanism.connections]}
             )
             log.unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
@@ -115,7 +115,7 @@ def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> li
 
 
 def _has_name(connection: Connection, glob: str) -> bool:
-    return any(fits(name, glob) for name in (connection.name, connection.ref.name, connection.title))
+    return any(matches_glob(name, glob) for name in (connection.name, connection.ref.name, connection.title))
 
 
 def _report_uncut(

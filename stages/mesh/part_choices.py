@@ -16,7 +16,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties
 from linkwright.stages.robot.model.geometry import Role, Shape
 from linkwright.stages.robot.model.robot import Link, Part
-from linkwright.stages.robot.text.globs import fits, there_are, unnumbered
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint, without_number
 from linkwright.stages.targets.engines import shape_limits
 
 if TYPE_CHECKING:
@@ -62,10 +62,10 @@ def part_choices(
         for index, part in enumerate(link.parts):
             maker = default
             for glob in _matching(entries, link.name, part):
-                maker = replace(entries[glob], apart=not fits(link.name, glob))
+                maker = replace(entries[glob], apart=not matches_glob(link.name, glob))
             contact = contact_of(keys.geoms, link.name, "collision", part)
             apart = any(
-                not fits(link.name, glob) and keys.geoms[glob].collision.model_dump(exclude_none=True)
+                not matches_glob(link.name, glob) and keys.geoms[glob].collision.model_dump(exclude_none=True)
                 for glob in _matching(keys.geoms, link.name, part)
             )
             choices[link.name, index] = PartChoice(
@@ -106,8 +106,8 @@ def _matching(globs: Collection[str], link: str, part: Part | None = None) -> li
     names = [link]
     if part is not None and globs:
         part_name = part.name.rpartition("/")[2]
-        names += [part.name, part_name, unnumbered(part_name)]
-    return [glob for glob in globs if any(fits(name, glob) for name in names)]
+        names += [part.name, part_name, without_number(part_name)]
+    return [glob for glob in globs if any(matches_glob(name, glob) for name in names)]
 
 
 def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link], log: Diagnostics) -> None:
@@ -116,8 +116,8 @@ def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link],
     for glob in dict.fromkeys(globs):
         if any(_matching((glob,), link.name, part) for link in links for part in (None, *link.parts)):
             continue
-        parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
-        hint = there_are(glob, {"links": [link.name for link in links], "parts": sorted(parts)})
+        parts = {without_number(part.name.rpartition("/")[2]) for link in links for part in link.parts}
+        hint = no_match_hint(glob, {"links": [link.name for link in links], "parts": sorted(parts)})
         log.unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)
 
 

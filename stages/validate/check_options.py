@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +27,6 @@ def known_payload(robot: Robot, payload: Mapping[str, float]) -> tuple[tuple[str
     links, frames = [link.name for link in robot.links], [frame.name for frame in robot.frames]
     for name in payload:
         if name not in (*links, *frames):
-            hint = there_are(name, {"links": links, "frames": frames})
+            hint = no_match_hint(name, {"links": links, "frames": frames})
             raise ConfigError("the robot has no link or frame of this name", f"validate.payload.{name}", hint)
     return tuple(payload.items())

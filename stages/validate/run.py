@@ -9,7 +9,7 @@ from pathlib import Path
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.amendments import Amendment
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.targets.section import TargetSection
 from linkwright.stages.validate.check_options import DEFAULT_OPTIONS, CheckOptions
 from linkwright.stages.validate.compiled import (
@@ -140,7 +140,7 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
         for change in changes
         if names_in_detail & {*change.target.split(), *" ".join(change.adds).split()}
     ]
-    keys = listed(change.key for change in related_changes or changes)
+    keys = name_list(change.key for change in related_changes or changes)
     return replace(check, detail=f"{check.detail}; the file was changed by {keys}")
 
 

@@ -11,7 +11,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.motion.couplings import nearest_first
 from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
-from linkwright.stages.robot.text.globs import as_key, did_you_mean, fits, listed, there_are
+from linkwright.stages.robot.text.globs import did_you_mean, matches_glob, name_list, no_match_hint, yaml_key
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.actuator_section import ActuatorSection
@@ -78,7 +78,7 @@ def _choice_of(
     origin: dict[str, str] = {}
     named, last_glob = False, ""
     for glob, section in entries.items():
-        if not fits(dof.name, glob) or section.only_measures:
+        if not matches_glob(dof.name, glob) or section.only_measures:
             continue
         last_glob = glob
         if section.type is not None and section.type != kind:
@@ -185,7 +185,7 @@ def _incomplete(kind: str, parameters: Collection[str]) -> Iterator[tuple[str, s
 def _check_dofs(glob: str, section: ActuatorSection, robot: Robot, log: Diagnostics) -> None:
     all_dofs = [(dof, "") for dof in robot.dofs]
     all_dofs += [(dof, loop.name) for loop in robot.loops for dof in loop.dofs]
-    matched = [(dof, loop) for dof, loop in all_dofs if fits(dof.name, glob)]
+    matched = [(dof, loop) for dof, loop in all_dofs if matches_glob(dof.name, glob)]
     if not matched:
         _report_unmatched(glob, robot, log)
         return
@@ -216,7 +216,7 @@ def _check_kinds(glob: str, choices: Mapping[str, ChosenActuator], robot: Robot,
             f"({example['slide']}, ...), whose units differ"
         )
         numbers = ", ".join(f"{name}: ..." for name in ambiguous)
-        entry = f"actuators: {{{as_key(example['slide'])}: {{{numbers}}}}}"
+        entry = f"actuators: {{{yaml_key(example['slide'])}: {{{numbers}}}}}"
         log.report("E-ACTUATOR", text, WHERE, f"give them to each kind under its own glob: {entry}")
 
 
@@ -226,17 +226,17 @@ def _is_from(glob: str, name: str, choice: ChosenActuator) -> bool:
 
 
 def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
-    of_joint = [dof.name for joint in robot.joints if fits(joint.name, glob) for dof in joint.dofs]
+    of_joint = [dof.name for joint in robot.joints if matches_glob(joint.name, glob) for dof in joint.dofs]
     if of_joint:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
-    hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
+    hint = no_match_hint(glob, {"joints": [dof.name for dof in robot.dofs]})
     log.unmatched("E-GLOB", f"no joint matches {glob!r}", WHERE, hint, glob)
 
 
 def _names(robot: Robot) -> str:
-    return listed(dof.name for dof in robot.dofs if dof.kind in ("turn", "slide"))
+    return name_list(dof.name for dof in robot.dofs if dof.kind in ("turn", "slide"))
 
 
 def driven_order(robot: Robot, choices: Mapping[str, ChosenActuator], kept: Sequence[str]) -> list[str]:

@@ -19,7 +19,7 @@ from linkwright.stages.export.actuators.choices import WHERE, ChosenActuator
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import SERVOS, Supplied
 from linkwright.stages.robot.model.robot import Dof
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.motor_section import MotorSection, MotorValue
@@ -78,7 +78,7 @@ def motor_values(
                 text = f"{title} ({candidate.value:.6g}; `joints` gives {previous:.6g})"
                 overridden.append(OverriddenValue(dof.name, text))
     if replaced:
-        text = f"motors override values of the source or of a glob of `joints`: {listed(replaced)}"
+        text = f"motors override values of the source or of a glob of `joints`: {name_list(replaced)}"
         log.report("I-MOTOR", text, WHERE, "values in `joints` under the joint's own name stay")
     return supplied_values, overridden
 
@@ -123,12 +123,14 @@ def report_overridden(
     """Reports the motors' values that the configuration overrides (I-MOTOR)."""
     if not overridden:
         return
-    text = f"the configuration overrides values of motors: {listed(value.text for value in overridden)}"
+    text = f"the configuration overrides values of motors: {name_list(value.text for value in overridden)}"
     by_glob = [value.dof for value in overridden if not choices[value.dof].motor_named]
     hint = "leave the value out to have the motor's"
     if by_glob:
         motor = choices[by_glob[0]].motor
-        hint += f", or name the motor for the joint: actuators: {{{as_key(by_glob[0])}: {{motor: {motor}}}}}"
+        hint += (
+            f", or name the motor for the joint: actuators: {{{yaml_key(by_glob[0])}: {{motor: {motor}}}}}"
+        )
     log.report("I-MOTOR", text, WHERE, hint)
 
 

@@ -11,7 +11,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.motion.couplings import Rates
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 
 WHERE = "actuators"
 
@@ -29,9 +29,8 @@ def report_actuation(
     servos that sag (W-ACTUATOR-SAG), and actuators that cannot hold the weight (W-ACTUATOR-EFFORT)."""
     if undriven:
         driven_in_loops = [actuator.dof for actuator in actuation.actuators if actuator.dof in in_loops]
-        text = (
-            f"in closed loops these are driven: {listed(driven_in_loops)}; these follow: {listed(undriven)}"
-        )
+        text = f"in closed loops these are driven: {name_list(driven_in_loops)}; "
+        text += f"these follow: {name_list(undriven)}"
         example = driven_in_loops[0] if driven_in_loops else undriven[0]
         hint = f"to drive others, take one out: actuators: {{{example}: none}}"
         log.report("I-ACTUATOR", text, WHERE, hint)
@@ -44,7 +43,9 @@ def report_actuation(
         and actuator.load > (largest_force := strongest(dofs[actuator.dof], actuator.force, actuator.gear))
     ]
     if weak:
-        text = f"somewhere in range the robot's weight [N m or N] exceeds what these can hold: {listed(weak)}"
+        text = (
+            f"somewhere in range the robot's weight [N m or N] exceeds what these can hold: {name_list(weak)}"
+        )
         log.report("W-ACTUATOR-EFFORT", text, WHERE, "raise the effort (joints), or compensate (gravcomp)")
 
 
@@ -66,17 +67,17 @@ def report_couplings(
             text = (
                 f"{actuator.dof} is driven, although driven dofs already move it, by a loop or a relation: "
             )
-            text += f"{listed(movers)}. They can fight each other"
+            text += f"{name_list(movers)}. They can fight each other"
             if "kp" in actuator.estimated:
                 text += f"; its kp of {actuator.kp:g} assumes no load, since {movers[0]} bears the weight"
-            hint = f"drive one of the two: actuators: {{{as_key(movers[0])}: none}}"
+            hint = f"drive one of the two: actuators: {{{yaml_key(movers[0])}: none}}"
             log.report("W-ACTUATOR-TWICE", text, WHERE, hint)
         bounding = _bounding(actuator.dof, rates, limits)
         if actuator.control is None and actuator.type in ("position", "pid") and bounding:
             text = f"{actuator.dof} has no limits of its own, so its control has no range; "
-            text += f"other dofs that move with it have limits: {listed(bounding)}"
+            text += f"other dofs that move with it have limits: {name_list(bounding)}"
             log.report(
-                "I-ACTUATOR", text, WHERE, f"joints: {{{as_key(actuator.dof)}: {{limits: [..., ...]}}}}"
+                "I-ACTUATOR", text, WHERE, f"joints: {{{yaml_key(actuator.dof)}: {{limits: [..., ...]}}}}"
             )
 
 
@@ -88,8 +89,10 @@ def report_passive(
     matched = [dof for dof in robot.semantics.passive if dof in choices and dof not in order]
     dofs = [dof for dof in matched if choices[dof].type != "none"]
     if dofs:
-        text = f"passive joints of the source's SRDF have no actuator: {listed(dofs)}"
-        log.report("I-ACTUATOR", text, WHERE, f"to drive one, name it: actuators: {{{as_key(dofs[0])}: ...}}")
+        text = f"passive joints of the source's SRDF have no actuator: {name_list(dofs)}"
+        log.report(
+            "I-ACTUATOR", text, WHERE, f"to drive one, name it: actuators: {{{yaml_key(dofs[0])}: ...}}"
+        )
 
 
 def _moves(moved: Rates, name: str) -> bool:
@@ -132,7 +135,7 @@ def _report_sag(actuation: Actuation, dofs: Mapping[str, Dof], log: Diagnostics)
             hint = "these motors sag with their own kp: give another kp, or gravcomp"
         elif True in by_motor:
             hint = "raise kp; some of these kp are the motors' own: give another kp, or gravcomp"
-        log.report("W-ACTUATOR-SAG", f"{text}: {listed(sagging)}", WHERE, hint)
+        log.report("W-ACTUATOR-SAG", f"{text}: {name_list(sagging)}", WHERE, hint)
 
 
 def report_estimates(maker: ActuatorMaker, timestep: float, poses: int, log: Diagnostics) -> None:
@@ -148,14 +151,14 @@ def _report_singular(maker: ActuatorMaker, poses: int, log: Diagnostics) -> None
     values_left = {dof: load.left_out for dof, load in maker.loads.items() if load.left_out}
     if not values_left:
         return
-    ranges = listed(
+    ranges = name_list(
         f"{dof} from {min(values):.4g} to {max(values):.4g} ({len(values)} of {poses} poses)"
         for dof, values in values_left.items()
     )
     text = (
         f"near a singular pose of its loop a dof has unlimited leverage; poses left out of its load: {ranges}"
     )
-    dof = as_key(next(iter(values_left)))
+    dof = yaml_key(next(iter(values_left)))
     log.report("I-SINGULAR", text, WHERE, f"limits that avoid it: joints: {{{dof}: {{limits: [..., ...]}}}}")
 
 
@@ -167,14 +170,14 @@ def _report_armatures(maker: ActuatorMaker, log: Diagnostics) -> None:
     ]
     small = [armature for armature in maker.armatures if armature not in large]
     if large:
-        listing = listed(
+        listing = name_list(
             f"{armature.dof} ({armature.value:g}; moves {_inertia_at_home(maker, armature.dof):.3g})"
             for armature in large
         )
         text = "estimated armatures exceed the inertia that their joints move at home [kg m² or kg]"
         log.report("W-ARMATURE", f"{text}: {listing}", WHERE, _armature_key(large[0].dof))
     if small:
-        added = listed(f"{armature.dof} ({armature.value:g})" for armature in small)
+        added = name_list(f"{armature.dof} ({armature.value:g})" for armature in small)
         text = f"driven dofs without an armature got an estimated one [kg m² or kg]: {added}"
         log.report("I-ARMATURE", text, WHERE, _armature_key(small[0].dof))
 
@@ -183,7 +186,7 @@ def _report_steps(maker: ActuatorMaker, timestep: float, log: Diagnostics) -> No
     """Reports servos for which the time step is too long (W-ACTUATOR-STEP)."""
     if not maker.too_stiff:
         return
-    each = listed(
+    each = name_list(
         f"{servo.dof} (kp {servo.kp:.3g}; {servo.step:g} s is short enough for {servo.required_kp:.3g})"
         for servo in maker.too_stiff
     )
@@ -200,4 +203,4 @@ def _inertia_at_home(maker: ActuatorMaker, dof: str) -> float:
 
 
 def _armature_key(dof: str) -> str:
-    return f"joints: {{{as_key(dof)}: {{armature: ...}}}}"
+    return f"joints: {{{yaml_key(dof)}: {{armature: ...}}}}"

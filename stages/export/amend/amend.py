@@ -11,7 +11,7 @@ from linkwright.stages.formats.xml import Element
 from linkwright.stages.mujoco.compile import NotCompiled
 from linkwright.stages.robot.errors import Diagnostic, ExportError
 from linkwright.stages.robot.model.amendments import UNCHANGED, Amendment, Amendments, Surplus
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
@@ -76,8 +76,10 @@ def _left_out(all_entries: Sequence[Entry], formats: Mapping[str, object]) -> tu
     }
     if not keys:
         return ()
-    formats_named = listed(form for forms in keys.values() for form in forms)
-    text = f"not applied, since they are for formats that are not written ({formats_named}): {listed(keys)}"
+    formats_named = name_list(form for forms in keys.values() for form in forms)
+    text = (
+        f"not applied, since they are for formats that are not written ({formats_named}): {name_list(keys)}"
+    )
     return (
         Diagnostic("I-ELEMENT", text, "elements", "choose the format in export, or change their `formats`"),
     )

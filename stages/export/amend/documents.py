@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from linkwright.stages.formats.own_xml import SECTIONS, kind_of, name_of, names, section_of
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.text.globs import did_you_mean, listed
+from linkwright.stages.robot.text.globs import did_you_mean, name_list
 
 ROLES: Mapping[str, tuple[str, ...]] = {"urdf": ("robot",), "mjcf": ("robot", "scene")}
 """Format → the roles of its files, in the order in which its writer names them. The SRDF, which comes after
@@ -76,7 +76,7 @@ class Documents:
             tags = {str(candidate.tag) for candidate in document.root.iter()}
             tags |= SECTIONS if self.form == "mjcf" else set()
             text = f"{document.path} has no element <{tag}>"
-            raise Refused(text, where, _near(tag, tags) or f"its elements are: {listed(tags)}")
+            raise Refused(text, where, _near(tag, tags) or f"its elements are: {name_list(tags)}")
         return document, match
 
     def named_elements(self) -> dict[tuple[str, str], tuple[str, Element]]:
@@ -104,7 +104,7 @@ class Documents:
         subject = f"no element <{tag}>" if tag else "no element"
         files = " nor ".join(node.path for node in self._with_role(role))
         text = f"{subject} is named {name!r} in {files}"
-        return text, where, _near(name, all_names) or f"there are: {listed(all_names) or 'none'}"
+        return text, where, _near(name, all_names) or f"there are: {name_list(all_names) or 'none'}"
 
 
 def in_words(node: Element) -> str:

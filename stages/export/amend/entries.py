@@ -10,7 +10,7 @@ from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.own_xml import language_of, names, unknown_tag
 from linkwright.stages.formats.xml import Element, Malformed, element, fragment
 from linkwright.stages.robot.model.amendments import Amendment
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.element_section import IntoSection
@@ -94,7 +94,7 @@ class Setting:
             elif attribute in target.attrib:
                 del target.attrib[attribute]
             else:
-                hint = f"its own attributes are: {listed(target.attrib)}; those of its class stay"
+                hint = f"its own attributes are: {name_list(target.attrib)}; those of its class stay"
                 raise Refused(f"{subject} has no attribute {attribute!r}", f"{self.key}.{attribute}", hint)
         return Amendment(self.key, document.path, subject, sets=tuple(self.values))
 

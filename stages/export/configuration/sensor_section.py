@@ -16,7 +16,7 @@ from linkwright.stages.robot.quantity_keys import (
     TypedNumber,
 )
 from linkwright.stages.robot.section import Count, Section, Text, example, invalid
-from linkwright.stages.robot.text.globs import fits
+from linkwright.stages.robot.text.globs import matches_glob
 from linkwright.stages.robot.text.units import Measure
 
 SensorName = Literal[
@@ -227,7 +227,7 @@ class SensorSection(Section):
     def _check_numbers(self) -> None:
         for key in ("noise", "cutoff"):
             for glob, value in (getattr(self, key) or {}).items():
-                names = [name for name in self.measured if fits(name, glob)]
+                names = [name for name in self.measured if matches_glob(name, glob)]
                 if not names:
                     raise invalid(f"{key} names {glob}, but the sensor measures {', '.join(self.measured)}")
                 for name in names if isinstance(value, TypedNumber) else ():
@@ -259,7 +259,9 @@ class SensorSection(Section):
 
 def _last(values: Mapping[str, float], measured: str) -> float:
     """Returns the value of the last entry that matches."""
-    return next((value for glob, value in reversed(list(values.items())) if fits(measured, glob)), 0.0)
+    return next(
+        (value for glob, value in reversed(list(values.items())) if matches_glob(measured, glob)), 0.0
+    )
 
 
 def _name_alone(value: Any) -> Any:

@@ -9,7 +9,7 @@ from linkwright.stages.export.sdf.contacts import DEFAULT_BITS, MASK_BITS
 from linkwright.stages.export.urdf.srdf.disabled import MAX_LINKS
 from linkwright.stages.export.writer import Case
 from linkwright.stages.robot.motion.adjacency import Pair
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.export.urdf.srdf.model import SrdfPlan
@@ -80,7 +80,7 @@ CONTACTS = (
         f"{MASK_BITS} bits of a mask do not suffice to exclude only the pairs of links that must not "
         "collide, so these do not collide either: {}",
         "use the MJCF where they must",
-        listed,
+        name_list,
     ),
     Loss(
         {"srdf": "I-SRDF-SELF"},

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.mjcf_extras import MjcfExtras, children_of
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 OTHER_FORMATS = ("urdf", "sdf", "usd")
 
@@ -23,7 +23,7 @@ def mjcf_only(written: Written, formats: Collection[str]) -> Iterator[Diagnostic
     formats_without = [name.upper() for name in OTHER_FORMATS if name in formats]
     features = dict(_features(written, written.extras)) if written.mjcf_form.extras is not None else {}
     if formats_without and features:
-        words = "; ".join(f"{kind}: {listed(names)}" for kind, names in features.items())
+        words = "; ".join(f"{kind}: {name_list(names)}" for kind, names in features.items())
         text = f"{', '.join(formats_without)} cannot have what only an MJCF has: {words}"
         yield Diagnostic("I-MJCF-ONLY", text, written.robot.name, "use the MJCF where it matters")
 

@@ -11,7 +11,7 @@ from linkwright.stages.robot.model.dofs import AS_THE_MATE
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
@@ -117,7 +117,7 @@ def report_lost(written: Written) -> Iterator[Diagnostic]:
     if lost_names:
         text = (
             "not carried over, since it names what the robot has not, or a joint whose value counts "
-            f"otherwise (zero, invert): {listed(lost_names)}"
+            f"otherwise (zero, invert): {name_list(lost_names)}"
         )
         hint = "check frames.include, ignore, joints.*.zero and invert, contact.self and scene.surroundings"
         yield Diagnostic("W-MJCF-LEFT", text, f"{robot.name}.xml", hint)

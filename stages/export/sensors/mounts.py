@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Array, Robot, frozen
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.sensor_section import SensorSection
@@ -45,7 +45,7 @@ def mounts_of(robot: Robot) -> dict[str, Mount]:
 
 def report_unknown(name: str, where: str, mounts: Mapping[str, Mount], log: Diagnostics) -> None:
     """Reports that neither a frame nor a link has this name (E-FRAME)."""
-    hint = there_are(name, {"frames and links": mounts})
+    hint = no_match_hint(name, {"frames and links": mounts})
     log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint)
 
 

@@ -8,7 +8,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Dof, Robot, Sensor
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.actuator_section import ActuatorSection
@@ -25,7 +25,7 @@ def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnosti
     """Yields the sensors of the dofs that an entry names, dof by dof. A glob skips quantities that a dof
     lacks."""
     where, glob = f"sensors.{name}.joints", keys.joints or "*"
-    dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
+    dofs = [dof for dof in robot.dofs if matches_glob(dof.name, glob)]
     if not dofs:
         _report_dof(glob, where, robot, log)
         return
@@ -72,7 +72,7 @@ def _missing_reason(dof: Dof, measured: str) -> str:
 
 
 def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
-    of_joint = [dof.name for joint in robot.joints if fits(joint.name, glob) for dof in joint.dofs]
+    of_joint = [dof.name for joint in robot.joints if matches_glob(joint.name, glob) for dof in joint.dofs]
     if of_joint:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(of_joint)}")
@@ -82,9 +82,9 @@ def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
 
 def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
     """Reports a glob that matches none of the names of a kind of thing (E-GLOB)."""
-    if not any(fits(name, glob) for name in names):
+    if not any(matches_glob(name, glob) for name in names):
         log.unmatched(
-            "E-GLOB", f"no {kind} matches {glob!r}", where, there_are(glob, {f"{kind}s": names}), glob
+            "E-GLOB", f"no {kind} matches {glob!r}", where, no_match_hint(glob, {f"{kind}s": names}), glob
         )
 
 
@@ -94,7 +94,7 @@ def actuator_sensors(
     """Yields the sensors of the actuators that an entry names, actuator by actuator."""
     glob = keys.actuators or "*"
     all_names = [actuator.name for actuator in actuation.actuators]
-    names = [actuator_name for actuator_name in all_names if fits(actuator_name, glob)]
+    names = [actuator_name for actuator_name in all_names if matches_glob(actuator_name, glob)]
     report_unmatched(glob, "actuator", all_names, f"sensors.{name}.actuators", log)
     exact = names == [glob]
     dofs = {dof.name: dof for dof in robot.dofs}
@@ -121,7 +121,7 @@ def encoders(
     """
     for glob, keys in entries.items():
         needs_actuator = keys.only_measures and (keys.encoder or keys.force) and glob != "*"
-        if needs_actuator and not any(fits(actuator.dof, glob) for actuator in actuation.actuators):
+        if needs_actuator and not any(matches_glob(actuator.dof, glob) for actuator in actuation.actuators):
             text = f"nothing drives {glob!r}, so there is nothing to measure"
             log.report("E-SENSOR", text, f"actuators.{glob}", "give it a type or a motor too")
     for actuator in actuation.actuators:
@@ -129,7 +129,7 @@ def encoders(
             requests = [
                 (glob, value)
                 for glob, keys in entries.items()
-                if fits(actuator.dof, glob)
+                if matches_glob(actuator.dof, glob)
                 if (value := getattr(keys, key)) is not None
             ]
             if requests and requests[-1][1]:

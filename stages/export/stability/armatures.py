@@ -18,7 +18,7 @@ from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.motion.tree_paths import TreePaths
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 INERTIA_SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0, 4.0)
 """Armatures to try, as shares of the largest inertia that a dof of the group moves."""
@@ -74,7 +74,7 @@ def _higher(levels: Mapping[int, int], numbers: Iterable[int]) -> dict[int, int]
 
 def _armature_diagnostic(added: Iterable[Armature]) -> Diagnostic:
     armatures = list(added)
-    dofs = listed(f"{armature.dof} ({armature.value:g})" for armature in armatures)
+    dofs = name_list(f"{armature.dof} ({armature.value:g})" for armature in armatures)
     text = f"unstable at this time step, so the smallest armature that stabilizes the robot was added: {dofs}"
     hint = (
         f"joints: {{{armatures[0].dof}: {{armature: ...}}}}, or damping, or a smaller scene.option.timestep"

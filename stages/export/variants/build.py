@@ -16,7 +16,7 @@ from linkwright.stages.mujoco.variants import names_in, places
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.text.file_names import VARIANTS
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
@@ -80,7 +80,7 @@ def _unvaried_bodies(fields: VariedFields) -> list[Diagnostic]:
         return []
     text = (
         "MuJoCo assumes that the centre of mass of these bodies is the origin of their frames, so their "
-        f"centres of mass and axes of inertia do not vary: {listed(fields.fixed_centres)}"
+        f"centres of mass and axes of inertia do not vary: {name_list(fields.fixed_centres)}"
     )
     return [Diagnostic("I-VARIANTS", text, "variants")]
 

@@ -6,7 +6,7 @@ The less certain the origin of a value, the wider it varies; `docs/guide/variant
 from collections.abc import Mapping, Sequence
 
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.text.globs import matching, there_are
+from linkwright.stages.robot.text.globs import matching_indices, no_match_hint
 
 CONFIG_KEY = "variants.ranges"
 
@@ -43,8 +43,8 @@ def matched_by(
 ) -> dict[str, list[str]]:
     """Returns the quantities that each glob matches. Reports a glob without any match (E-GLOB)."""
     names = [{name} for name in quantities]
-    matches = {glob: [quantities[number] for number in matching(glob, names)] for glob in ranges}
+    matches = {glob: [quantities[number] for number in matching_indices(glob, names)] for glob in ranges}
     for glob in (glob for glob, matched in matches.items() if not matched):
-        hint = there_are(glob, {"quantities": quantities})
+        hint = no_match_hint(glob, {"quantities": quantities})
         log.unmatched("E-GLOB", f"no quantity matches {glob!r}", CONFIG_KEY, hint, glob)
     return matches

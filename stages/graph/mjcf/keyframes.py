@@ -4,7 +4,7 @@ from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Keyframe
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.names import free
 
 
@@ -19,7 +19,7 @@ def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) 
         taken_names.add(name)
         lost = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
         if lost:
-            text = f"the source's keyframe moves balls or free bodies, which is left out: {listed(lost)}"
+            text = f"the source's keyframe moves balls or free bodies, which is left out: {name_list(lost)}"
             log.report("I-KEYFRAME", text, name, "a keyframe has values of turns and slides")
         keyframes.append(Keyframe(name, tuple((dofs[joint][1], value) for joint, value in keyframe.values)))
     return tuple(keyframes)

@@ -32,7 +32,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import frozen
 from linkwright.stages.robot.section import Section
-from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
 from linkwright.stages.robot.text.names import legal, legal_or_unnamed
 
 AnySection = TypeVar("AnySection", bound=Section)
@@ -52,11 +52,11 @@ def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tup
     names = _link_names(assembly, links, meant[DOF])
     first = links[_instances(assembly)[0]]
     if keys.root.select == "auto" and keys.root.frame is None:
-        keys = _with_values(keys, root=_with_values(keys.root, select=escaped(names[first])))
+        keys = _with_values(keys, root=_with_values(keys.root, select=exact_glob(names[first])))
         assembly = _with_fixed_root(assembly, links, first, log)
     if keys.depth.max is None:
         keys = _with_values(keys, depth=_with_values(keys.depth, max=0))
-    closings = [escaped(mate.title) for mate in meant[CLOSING]]
+    closings = [exact_glob(mate.title) for mate in meant[CLOSING]]
     keys = _with_values(keys, zero="saved", loops=_with_values(keys.loops, cut=(*keys.loops.cut, *closings)))
     log.report(
         "I-PEER",
@@ -129,7 +129,7 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
         ),
     ):
         if titles:
-            log.report("W-PEER-MATE", f"{message}: {listed(titles)}", titles[0], hint)
+            log.report("W-PEER-MATE", f"{message}: {name_list(titles)}", titles[0], hint)
     return meant
 
 
@@ -194,7 +194,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
             _Marker(Connector((), mate.ref.feature, unprefixed_name(mate), (), entity), marker.path[:1])
         )
     if markers:
-        titles = listed(assembly.occurrences[frame_marker.instance].title for frame_marker in markers)
+        titles = name_list(assembly.occurrences[frame_marker.instance].title for frame_marker in markers)
         message = f"instances that only mark frames are left out: {titles}"
         log.report("I-PEER-MARKER", message, "conventions", "name a connector frame_NAME to keep the part")
     return markers
@@ -247,7 +247,7 @@ def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence
         if link in connector_names:
             names[link] = connector_names[link]
             continue
-        name = legal_or_unnamed(unnumbered(assembly.occurrences[link].names[-1]))
+        name = legal_or_unnamed(without_number(assembly.occurrences[link].names[-1]))
         name += "_link" if name in taken_names else ""
         counts[name] = counts.get(name, 0) + 1
         names[link] = name if counts[name] == 1 else f"{name}_{counts[name]}"
@@ -297,7 +297,7 @@ def _with_fixed_root(
         if occurrence.fixed and links[path[:1]] != root
     }
     if fixed_instances:
-        titles = listed(occurrence.title for occurrence in fixed_instances.values())
+        titles = name_list(occurrence.title for occurrence in fixed_instances.values())
         message = f"fixed in CAD, but not in the root link, so they are not fixed in the robot: {titles}"
         log.report("W-PEER-FIXED", message, "conventions", "choose the root yourself (root.select) or fix it")
     return replace(assembly, occurrences={**assembly.occurrences, **fixed_instances})

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from linkwright.stages.graph.section import DepthSection
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.text.globs import there_are, unnumbered
+from linkwright.stages.robot.text.globs import no_match_hint, without_number
 from linkwright.stages.robot.text.names import legal
 
 
@@ -40,7 +40,7 @@ def _matching_subs(
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not fits:
-            hint = there_are(glob, {"sub-assemblies": [sub.title for sub in subs]})
+            hint = no_match_hint(glob, {"sub-assemblies": [sub.title for sub in subs]})
             log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, hint, glob)
         rigid |= fits
     return rigid
@@ -50,4 +50,4 @@ def _texts(sub: Occurrence, glob: str) -> tuple[str, ...]:
     if "/" in glob:
         return (sub.title,)
     name = sub.names[-1]
-    return name, unnumbered(name), legal(name)
+    return name, without_number(name), legal(name)

@@ -9,7 +9,7 @@ from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.passes.recount_actuators import recounted
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Robot, Sensor, Transmission
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
@@ -62,8 +62,8 @@ def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str
         controls += [changed] if changed else []
         if lost:
             message = (
-                f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
+                f"a <transmission> or <ros2_control> names {name_list(lost)}, which the robot does not have"
             )
             hint = "name a joint of the robot, or remove it"
-            log.report("W-URDF-CONTROL", f"{message}: left out", listed(lost), hint)
+            log.report("W-URDF-CONTROL", f"{message}: left out", name_list(lost), hint)
     return tuple(controls)

@@ -26,7 +26,7 @@ from linkwright.stages.robot.model.robot import (
     Robot,
     frozen,
 )
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 from linkwright.stages.robot.text.names import free
 
 TYPES: Mapping[str, JointType] = {
@@ -188,7 +188,7 @@ def _place(robot: Robot, name: str) -> tuple[str, Array] | None:
 
 def _places(robot: Robot, name: str) -> str:
     frames = {"frames": [frame.name for frame in robot.frames]} if robot.frames else {}
-    return there_are(name, {"links": [link.name for link in robot.links], **frames})
+    return no_match_hint(name, {"links": [link.name for link in robot.links], **frames})
 
 
 def _pose(keys: AddedLinkSection | AddedFrameSection) -> Array:

@@ -9,7 +9,7 @@ from linkwright.stages.robot.model.robot import Dof, Keyframe, Robot
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.start_pose import HOME, SAVED, home, keyframes, open_loops
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
-from linkwright.stages.robot.text.globs import as_key, fits, listed, there_are
+from linkwright.stages.robot.text.globs import matches_glob, name_list, no_match_hint, yaml_key
 
 LIMIT_TOLERANCE = 1e-9
 """Tolerance [rad or m] by which a value may exceed a limit, for rounding."""
@@ -55,10 +55,10 @@ def _keyframe(
         log.report("E-KEYFRAME", f"{SAVED} is the pose that was saved in CAD", where, "choose another name")
     values = dict(source_pose)
     for glob, value in entries.items():
-        dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
+        dofs = [dof for dof in robot.dofs if matches_glob(dof.name, glob)]
         scalars = [dof for dof in dofs if dof.kind in ("turn", "slide")]
         if not dofs:
-            hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
+            hint = no_match_hint(glob, {"joints": [dof.name for dof in robot.dofs]})
             log.unmatched("E-GLOB", f"no joint matches {glob!r}", where, hint, glob)
         elif not scalars:
             text = f"{glob!r} matches only balls or free joints, which have no single value: {dofs[0].name}"
@@ -77,7 +77,9 @@ def _check_left_out(names: Collection[str], source_names: Collection[str], log: 
     """Reports names to leave out that no keyframe of the source has (E-KEYFRAME)."""
     for name in sorted({*names} - {*source_names}):
         hint = (
-            f"the source's keyframes are: {listed(source_names)}" if source_names else "the source has none"
+            f"the source's keyframes are: {name_list(source_names)}"
+            if source_names
+            else "the source has none"
         )
         log.report(
             "E-KEYFRAME", f"the source has no keyframe {name!r} to leave out", f"keyframes.{name}", hint
@@ -136,7 +138,7 @@ def _check_loops(
             if name not in user_poses:
                 text = f"the source's keyframe: {text}"
                 hint = f"give one joint of the loop in `keyframes.{name}`, which the others follow, "
-                hint += f"or leave the keyframe out: `keyframes: {{{as_key(name)}: null}}`"
+                hint += f"or leave the keyframe out: `keyframes: {{{yaml_key(name)}: null}}`"
             log.report("E-KEYFRAME", text, f"keyframes.{name}", hint)
         elif still_open:
             text = f"no pose within the limits closes this loop, so it starts open at {name}"

@@ -18,7 +18,7 @@ from linkwright.stages.robot.dynamics.inertia import (
     tensor,
 )
 from linkwright.stages.robot.model.robot import Inertial, Link, Robot, frozen
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 
 _CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
 _LARGER = "check the units of the document, or FASTEN the link to a larger one"
@@ -53,7 +53,7 @@ def _with_mass(link: Link, section: LinkMassSection, log: Diagnostics) -> Link:
     lacks = [name for name in ("mass", "com", "inertia") if getattr(section, name) is None]
     if link.inertial.mass == 0 and lacks:
         text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
-        log.report("E-MASS", text, link.name, f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}")
+        log.report("E-MASS", text, link.name, f"mass: {{links: {{{yaml_key(link.name)}: {{mass: ...}}}}}}")
         return link
     sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
     override = Inertial(
@@ -88,7 +88,7 @@ def _check_masses(robot: Robot, log: Diagnostics, from_cad: bool) -> None:
         return
     for link in _moving_without_mass(robot):
         text = "the link moves, but has no mass"
-        hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
+        hint = f"mass: {{links: {{{yaml_key(link.name)}: {{mass: ...}}}}}}"
         if link.parts and from_cad:
             text = "the link has no mass: all its parts are sheets or weigh nothing"
             hint = "fasten it to a solid part, or thicken it, in Onshape"
@@ -106,7 +106,7 @@ def _check_link_inertias(robot: Robot, impossible: Collection[int], log: Diagnos
         text = f"no solid can have the inertia of the link {link.name!r}: its principal moments are "
         culprits = [part.name for part in link.parts if id(part.inertial) in impossible]
         hint = f"{_CORRECT}{'parts' if culprits else 'links'}" if from_cad else _CORRECT_FILE
-        log.report("E-INERTIA", f"{text}{moments} kg m²", listed(culprits) or link.name, hint)
+        log.report("E-INERTIA", f"{text}{moments} kg m²", name_list(culprits) or link.name, hint)
 
 
 def _check_part_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics) -> None:

@@ -11,7 +11,7 @@ from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import DofKind, Joint, Robot
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 from linkwright.stages.robot.text.names import free, legal
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
@@ -84,11 +84,11 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             hint = (
                 "correct it in the file" if spec.type == "MIMIC" else "correct it, or its mates, in Onshape"
             )
-            hint += f", or drop it: relations: {{{as_key(spec.name)}: {{drop: true}}}}"
+            hint += f", or drop it: relations: {{{yaml_key(spec.name)}: {{drop: true}}}}"
             log.report("W-RELATION", f"{why}: its joints move independently", spec.title, hint)
             continue
         if relation is None:
-            mates = listed(map(repr, spec.connections))
+            mates = name_list(map(repr, spec.connections))
             text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is of another type"
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
         elif text := misfit(spec.offset, kind := kinds[relation.follower]):

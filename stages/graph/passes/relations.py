@@ -18,7 +18,7 @@ from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, DofKind, Link, Relation, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.text.globs import as_key
+from linkwright.stages.robot.text.globs import yaml_key
 
 OFFSET_TOLERANCE = 1e-6
 """Largest offset [rad or m] from the saved pose that counts as rounding."""
@@ -137,7 +137,7 @@ def _measure(
 def _report_offset(measured: Step, relation: DofRelation, opposite: bool, log: Diagnostics) -> None:
     """Reports an offset in the saved pose; `opposite`: there would be none in the other direction."""
     offset = (measured if measured.child == relation.follower else measured.inverted()).offset
-    name = as_key(relation.name)
+    name = yaml_key(relation.name)
     keep = f"relations: {{{name}: {{offset: {offset:.12g}}}}}"
     text = f"the saved pose has an offset of {offset:.6g} in this relation"
     if opposite:

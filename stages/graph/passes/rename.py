@@ -10,7 +10,7 @@ from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.mjcf_extras import NewName
 from linkwright.stages.robot.model.sensing import Sensor
-from linkwright.stages.robot.text.globs import listed, matching, with_plain
+from linkwright.stages.robot.text.globs import matching_indices, name_list, with_plain_titles
 
 
 def renamed(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Mechanism:
@@ -22,7 +22,7 @@ def renamed(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Me
     """
     links = _new_names(
         [body.name for body in mechanism.bodies],
-        [with_plain(body.titles) for body in mechanism.bodies],
+        [with_plain_titles(body.titles) for body in mechanism.bodies],
         (section.links, "names.links", "link"),
         log,
     )
@@ -100,12 +100,12 @@ def _new_names(
     names_by_number: dict[int, str] = {}
     all_titles = [{name, *other_titles} for name, other_titles in zip(names, titles, strict=True)]
     for glob, new in new_names.items():
-        matches = [names.index(glob)] if glob in names else matching(glob, all_titles)
+        matches = [names.index(glob)] if glob in names else matching_indices(glob, all_titles)
         if not matches:
-            hint = f"name one of: {listed(names)}"
+            hint = f"name one of: {name_list(names)}"
             log.unmatched("E-RENAME", f"no {kind} matches {glob!r}", where, hint, glob)
         elif len(matches) > 1:
-            hint = f"name one of: {listed(names[i] for i in matches)}"
+            hint = f"name one of: {name_list(names[i] for i in matches)}"
             log.report("E-RENAME", f"{len(matches)} {kind}s match {glob!r}", where, hint)
         elif names[matches[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"

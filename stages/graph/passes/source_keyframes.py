@@ -10,7 +10,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_groups import LoopGroups
 from linkwright.stages.robot.motion.loops import closing_values, relative_pose
 from linkwright.stages.robot.motion.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
-from linkwright.stages.robot.text.globs import as_key, fits, listed
+from linkwright.stages.robot.text.globs import matches_glob, name_list, yaml_key
 
 ROUNDING_TOLERANCE = 1e-3
 """Largest rounding [rad or m] of a typed value: its distance from a limit, from the value that a relation
@@ -45,7 +45,9 @@ def source_values(
             continue
         values = _closed_values(robot, _driver_values(robot, keyframe.name, values, log))
         replaced = {
-            name for name in scalars if any(fits(name, glob) for glob in replacing.get(keyframe.name, ()))
+            name
+            for name in scalars
+            if any(matches_glob(name, glob) for glob in replacing.get(keyframe.name, ()))
         }
         coupled = set(chain.from_iterable(group for group in groups if group & replaced))
         values_by_name[keyframe.name] = {
@@ -80,9 +82,9 @@ def _report_moved(
         if abs((limit := _clip(values[name], *limits[name])) - values[name]) > ROUNDING_TOLERANCE
     ]
     if outside:
-        text = f"the source's keyframe is outside the limits of {listed(outside)}: it has the limits there"
+        text = f"the source's keyframe is outside the limits of {name_list(outside)}: it has the limits there"
         hint = "set limits in `joints`, or leave the keyframe out: "
-        log.report("W-KEYFRAME", text, keyframe, f"{hint}`keyframes: {{{as_key(keyframe)}: null}}`")
+        log.report("W-KEYFRAME", text, keyframe, f"{hint}`keyframes: {{{yaml_key(keyframe)}: null}}`")
 
 
 def _driver_values(
@@ -142,10 +144,8 @@ def _check_saved(robot: Robot, values: Mapping[str, float], log: Diagnostics) ->
     saved_pose = saved(robot)
     moved = [name for name, value in values.items() if not _is_equal(saved_pose[name], value)]
     if moved:
-        text = (
-            f"the source's keyframe {SAVED} is left out: it moves {listed(moved)}, and {SAVED} is the pose "
-        )
-        text += "that the source starts in"
+        text = f"the source's keyframe {SAVED} is left out: it moves {name_list(moved)}, "
+        text += f"and {SAVED} is the pose that the source starts in"
         log.report("I-KEYFRAME", text, SAVED, "call it otherwise in the source, or give it in `keyframes`")
 
 

@@ -16,7 +16,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_THE_MATE
 from linkwright.stages.robot.model.poses import at_rest, motion
 from linkwright.stages.robot.model.robot import Array, Dof, Limits, MateValue, Relation, Robot, frozen
-from linkwright.stages.robot.text.globs import fits
+from linkwright.stages.robot.text.globs import matches_glob
 
 SCALAR = ("turn", "slide")
 
@@ -61,7 +61,7 @@ def with_counted_dofs(robot: Robot, counts: Mapping[str, MateValue], measured: C
 
 def _check(dofs: Sequence[Dof], joints: Mapping[str, JointSection], log: Diagnostics) -> None:
     for glob, keys in joints.items():
-        matching_dofs = [dof for dof in dofs if fits(dof.name, glob)]
+        matching_dofs = [dof for dof in dofs if matches_glob(dof.name, glob)]
         kinds = {dof.kind for dof in matching_dofs}
         set_keys = [key for key in ("zero", "invert") if getattr(keys, key) is not None]
         if set_keys and matching_dofs and not kinds & set(SCALAR):
@@ -74,7 +74,7 @@ def _check(dofs: Sequence[Dof], joints: Mapping[str, JointSection], log: Diagnos
 
 
 def _has_own_zero(name: str, joints: Mapping[str, JointSection]) -> bool:
-    return any(keys.zero is not None and fits(name, glob) for glob, keys in joints.items())
+    return any(keys.zero is not None and matches_glob(name, glob) for glob, keys in joints.items())
 
 
 def _count(
@@ -91,7 +91,7 @@ def _count(
         return MateValue(1, dof.saved)
     count = MateValue(1, dof.saved) if zero == "saved" else AS_THE_MATE
     for glob, keys in joints.items():
-        if fits(dof.name, glob):
+        if matches_glob(dof.name, glob):
             count = count if keys.zero is None else replace(count, zero=float(keys.zero))
             count = count if keys.invert is None else replace(count, sign=-1 if keys.invert else 1)
     return count

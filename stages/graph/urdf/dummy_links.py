@@ -11,7 +11,7 @@ from linkwright.stages.graph.urdf.structure import tops
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import MIN_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 
@@ -51,7 +51,7 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
     moved_joints = [_move_joint(joint, places) for joint in urdf.joints if joint.child not in dummies]
     if dummies:
         text = f"{count(len(dummies), 'link')} without a body became frames of their parent links"
-        hint = f"these links: {listed(dummies)}; the exported URDF has them as links again"
+        hint = f"these links: {name_list(dummies)}; the exported URDF has them as links again"
         log.report("I-URDF-FRAME", text, urdf.name, hint)
     frames = tuple(UrdfFrame(name, joints[name].name, *places[name]) for name in sorted(dummies))
     return replace(urdf, links=tuple(remaining_links), joints=tuple(moved_joints)), frames
@@ -144,14 +144,14 @@ def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
                 carriers.add(name)
     hint = "give them their mass: mass: {links: {...}}"
     if carriers:
-        text = f"links between joints have no mass; {NEXT_TO_NOTHING:g} kg was used: {listed(carriers)}"
+        text = f"links between joints have no mass; {NEXT_TO_NOTHING:g} kg was used: {name_list(carriers)}"
         log.report("I-URDF-MASSLESS", text, urdf.name, hint)
     idle = set(parents) - heavy - carriers if repair else set()
     if idle:
         text = (
             f"moving links have no mass; {NEXT_TO_NOTHING:g} kg was used, and the simulation may be unstable"
         )
-        log.report("W-URDF-MASSLESS", f"{text}: {listed(idle)}", urdf.name, hint)
+        log.report("W-URDF-MASSLESS", f"{text}: {name_list(idle)}", urdf.name, hint)
     carriers |= idle
     links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)
     return replace(urdf, links=tuple(links))

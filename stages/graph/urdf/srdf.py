@@ -27,7 +27,7 @@ from linkwright.stages.robot.model.semantics import (
     RobotSemantics,
     VirtualJoint,
 )
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 REQUEST, NAME = "robot.srdf", "srdf"
@@ -128,7 +128,7 @@ class SrdfReader:
         """Reports I-SRDF with what the file `name` gave, and W-SRDF with the parts left out."""
         touching = sum(pair.touches for pair in semantics.disabled)
         never = len(semantics.disabled) - touching
-        poses = f" ({listed(keyframe.name for keyframe in keyframes)})" if keyframes else ""
+        poses = f" ({name_list(keyframe.name for keyframe in keyframes)})" if keyframes else ""
         numbers = {
             count(len(semantics.groups), "group"): len(semantics.groups),
             count(len(keyframes), "pose") + poses: len(keyframes),
@@ -142,10 +142,10 @@ class SrdfReader:
         log.report("I-SRDF", f"the robot's SRDF is read: {contents}", name, "source.srdf=none leaves it out")
         if self.unknown:
             names = (f"{name} ({where})" for name, where in self.unknown.items())
-            text = f"it names elements that the URDF does not have: {listed(names)}"
+            text = f"it names elements that the URDF does not have: {name_list(names)}"
             log.report("W-SRDF", text, name, "correct the names, or build without it: source.srdf=none")
         if self.left_out:
-            text = f"parts of the SRDF are left out: {listed(self.left_out)}"
+            text = f"parts of the SRDF are left out: {name_list(self.left_out)}"
             hint = "if the robot needs them, set contact.exclude, keyframes, actuators or root"
             log.report("W-SRDF", text, name, hint)
 

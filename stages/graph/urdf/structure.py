@@ -7,7 +7,7 @@ import networkx as nx
 
 from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints whose value is a number."""
@@ -19,7 +19,7 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     `disconnected`: whether several roots are allowed, since the user has chosen what becomes of them.
     """
     links = {link.name for link in urdf.links}
-    link_list = f"links are: {listed(links)}"
+    link_list = f"links are: {name_list(links)}"
     sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, link_list, log)]
     _check_parents(sound, log)
     graph: nx.DiGraph[str] = nx.DiGraph()
@@ -32,11 +32,11 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
         if joint.parent in group_of and group_of[joint.parent] == group_of.get(joint.child):
             joints_by_group[group_of[joint.parent]].append(joint.name)
     for group, names in zip(groups, joints_by_group, strict=True):
-        text = f"the links {listed(group)} form a cycle"
-        log.report("E-URDF-CYCLE", text, listed(names), "a URDF must be a tree: remove one of the joints")
+        text = f"the links {name_list(group)} form a cycle"
+        log.report("E-URDF-CYCLE", text, name_list(names), "a URDF must be a tree: remove one of the joints")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
-        text = f"{len(roots)} links have no parent: {listed(roots)}"
+        text = f"{len(roots)} links have no parent: {name_list(roots)}"
         hint = "connect them by joints, or choose root.disconnected=weld, drop or separate"
         log.report("E-URDF-ROOTS", text, urdf.name, hint)
     _check_mimics(urdf, log)
@@ -109,7 +109,7 @@ def _circles(parents: Mapping[str, str]) -> dict[str, str]:
             name = parents[name]
         if name in path:
             circle = list(path)[list(path).index(name) :]
-            circles |= dict.fromkeys(circle, listed(circle))
+            circles |= dict.fromkeys(circle, name_list(circle))
     return circles
 
 

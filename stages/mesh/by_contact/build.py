@@ -18,7 +18,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
@@ -98,11 +98,11 @@ def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Ite
     cut_for = [pair.beside(link) for pair in solution.before if pair.has(link)]
     left = [pair.beside(link) for pair in solution.after if pair.has(link)]
     if cut_for and pieces > 1:
-        yield f"{count(pieces, 'piece')} against {listed(cut_for)}"
+        yield f"{count(pieces, 'piece')} against {name_list(cut_for)}"
     elif not left:
         yield f"false in at most 0.5 % of {solution.poses} poses" if solution.poses else "nothing moves"
     if left:
-        yield f"still false against {listed(left)}"
+        yield f"still false against {name_list(left)}"
     if end is not None:
         yield f"meets the world: {1e3 * end.p95:.2g} mm out of the link, of {1e3 * end.tolerance:.2g} mm"
 
@@ -116,7 +116,7 @@ def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
         ).append(pair)
     for link, link_pairs in by_link.items():
         descriptions = "; ".join(_description(link, pair) for pair in link_pairs)
-        lines = ", ".join(f"[{as_key(pair.one)}, {as_key(pair.other)}]" for pair in link_pairs)
+        lines = ", ".join(f"[{yaml_key(pair.one)}, {yaml_key(pair.other)}]" for pair in link_pairs)
         yield Diagnostic(
             "W-FALSE-CONTACT",
             f"the collider of {link} touches where the link does not: {descriptions}",

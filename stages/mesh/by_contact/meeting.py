@@ -13,7 +13,7 @@ from linkwright.stages.mesh.measure import BoxTree, Nearest
 from linkwright.stages.mesh.surfaces.pieces import beyond, half_spaces
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Array, Joint, Link, Robot
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 _END_NAMES = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
 """Names of frames at which a robot meets the world."""
@@ -125,7 +125,7 @@ def fine_links(fine: str | Sequence[str], links: Sequence[Link], log: Diagnostic
     if isinstance(fine, str):
         return None if fine == "auto" else {link.name for link in links}
     for glob in fine:
-        if not any(fits(link.name, glob) for link in links):
-            hint = there_are(glob, {"links": [link.name for link in links]})
+        if not any(matches_glob(link.name, glob) for link in links):
+            hint = no_match_hint(glob, {"links": [link.name for link in links]})
             log.unmatched("E-GLOB", f"no link matches {glob!r}", "mesh.fine", hint, glob)
-    return {link.name for link in links if any(fits(link.name, glob) for glob in fine)}
+    return {link.name for link in links if any(matches_glob(link.name, glob) for glob in fine)}

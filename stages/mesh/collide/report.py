@@ -10,7 +10,7 @@ from linkwright.stages.mesh.collide.make import MadeCollider
 from linkwright.stages.mesh.surfaces.pieces import vertices
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import ColliderFigures
-from linkwright.stages.robot.text.globs import escaped, unnumbered
+from linkwright.stages.robot.text.globs import exact_glob, without_number
 from linkwright.stages.robot.text.plural import count
 
 
@@ -69,12 +69,12 @@ def _tolerance_misses(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
         collision, job = collided.collision, collided.job
         if collision.meets or not collision.pieces:
             continue
-        name = unnumbered(job.name)
+        name = without_number(job.name)
         text = f"the collider of {name}, {_rung(collided)}, {_how_far(collided)}"
         if (name, text) in reported:
             continue
         reported.add((name, text))
-        part_name = escaped(name.rpartition("/")[2])
+        part_name = exact_glob(name.rpartition("/")[2])
         hint = (
             f'a larger tolerance or a collider by hand: `mesh: {{colliders: {{"{part_name}": {{make: ladder, '
             f"tolerance: {_met_tolerance(collided):.2g}}}}}}}`; or mesh.effort=high"

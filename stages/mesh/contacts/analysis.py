@@ -25,7 +25,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.pose_batch import count_of, many_link_poses
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 from linkwright.stages.robot.text.plural import count
 
 if TYPE_CHECKING:
@@ -211,7 +211,7 @@ def findings(
         yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
     if free:
         text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_pair, free))}"
-        lines = ", ".join(f"[{as_key(touch.link_a)}, {as_key(touch.link_b)}]" for touch in free)
+        lines = ", ".join(f"[{yaml_key(touch.link_a)}, {yaml_key(touch.link_b)}]" for touch in free)
         hint = (
             f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; "
             "otherwise change the pose or the shapes"
@@ -232,4 +232,4 @@ def _left_out_names(names: tuple[Names, Names] | None) -> str:
     """Returns in words the parts of a pair that do not collide; "" if it is all of them."""
     if names is None:
         return ""
-    return f", but only {listed(names[0])} against {listed(names[1])}"
+    return f", but only {name_list(names[0])} against {name_list(names[1])}"

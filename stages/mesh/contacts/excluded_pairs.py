@@ -8,7 +8,7 @@ from linkwright.stages.mesh.contacts.by_source import excluded
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import ContactSection
@@ -44,10 +44,10 @@ def chosen_pairs(
     matching_pairs: set[Pair] = set()
     missing: set[str] = set()
     for globs in glob_pairs:
-        sides = [[link for link in links if fits(link, glob)] for glob in globs]
+        sides = [[link for link in links if matches_glob(link, glob)] for glob in globs]
         for glob in (glob for glob, side in zip(globs, sides, strict=True) if not side):
             if glob not in missing:
-                hint = there_are(glob, {"links": links})
+                hint = no_match_hint(glob, {"links": links})
                 log.unmatched("E-GLOB", f"no link matches {glob!r}", _WHERE, hint, glob)
             missing.add(glob)
         pairs = {
@@ -55,6 +55,6 @@ def chosen_pairs(
         }
         if all(sides) and not pairs:
             text = f"{globs[0]!r} and {globs[1]!r} match the same link, which cannot touch itself"
-            log.report("E-GLOB", text, _WHERE, there_are("", {"links": links}))
+            log.report("E-GLOB", text, _WHERE, no_match_hint("", {"links": links}))
         matching_pairs |= pairs
     return frozenset(matching_pairs)

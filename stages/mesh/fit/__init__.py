@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from linkwright.stages.formats.meshes.surface import Surface
-    from linkwright.stages.mesh.fit.kinds import Fit
+    from linkwright.stages.mesh.fit.kinds import PrimitiveFit
     from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind
     from linkwright.stages.targets.engines import ShapeLimits
 
@@ -49,7 +49,7 @@ def allowed(limits: ShapeLimits) -> tuple[PrimitiveKind, ...]:
 
 def fits(
     surface: Surface, kinds: Sequence[PrimitiveKind] = CHEAPEST, max_error: float = math.inf
-) -> Iterator[Fit]:
+) -> Iterator[PrimitiveFit]:
     """Yields the best fit of each kind, in the given order, if its error is at most `max_error` [m]. A flat
     part has no fits.
 

@@ -39,7 +39,7 @@ _MIN_CAPSULE_LENGTH = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
+class PrimitiveFit:
     """A primitive that was fitted to a part."""
 
     primitive: Primitive
@@ -82,12 +82,12 @@ def subject_of(surface: Surface) -> Subject | None:
     return Subject(outline, frames(outline, all_silhouettes), circles)
 
 
-def best_fit(kind: PrimitiveKind, subject: Subject) -> Fit:
+def best_fit(kind: PrimitiveKind, subject: Subject) -> PrimitiveFit:
     """Returns the fit of a kind with the smallest error, refined."""
     return _refine_best(list(_CANDIDATES[kind](subject)), subject.outline)
 
 
-def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> Fit | None:
+def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> PrimitiveFit | None:
     """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Candidates that
     certainly have a larger error are not measured."""
     # Refining can still reduce errors below `refined_below`.
@@ -101,18 +101,20 @@ def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> 
     return fit if fit and fit.error <= max_error else None
 
 
-def _refine_best(shapes: Sequence[Primitive], outline: Outline) -> Fit:
+def _refine_best(shapes: Sequence[Primitive], outline: Outline) -> PrimitiveFit:
     """Returns the shape with the smallest error, refined; `shapes` has at least one. Only the best shapes by
     a coarse error are measured finely."""
-    coarse_fits = [Fit(shape, error(shape, outline, fine=False)) for shape in shapes]
+    coarse_fits = [PrimitiveFit(shape, error(shape, outline, fine=False)) for shape in shapes]
     coarse_fits.sort(key=lambda fit: fit.error)
     fine_count = _MAX_CLOSE_FITS if coarse_fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
-    fine_fits = [Fit(fit.primitive, error(fit.primitive, outline)) for fit in coarse_fits[:fine_count]]
+    fine_fits = [
+        PrimitiveFit(fit.primitive, error(fit.primitive, outline)) for fit in coarse_fits[:fine_count]
+    ]
     best = first_best_fit(fine_fits, outline)
-    return Fit(*refined(best.primitive, best.error, outline))
+    return PrimitiveFit(*refined(best.primitive, best.error, outline))
 
 
-def first_best_fit(fits: Sequence[Fit], outline: Outline) -> Fit:
+def first_best_fit(fits: Sequence[PrimitiveFit], outline: Outline) -> PrimitiveFit:
     """Returns the first of the fits whose error counts as equal to the smallest (`_EQUAL_ERROR_SHARE`)."""
     limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERROR_SHARE) + _EQUAL_ERROR_SHARE**2 * outline.size
     return next(fit for fit in fits if fit.error <= limit)

@@ -11,7 +11,7 @@ from lxml import etree
 from linkwright.stages.graph.tree import natural
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.files.names import file_names
-from linkwright.stages.robot.text.globs import as_key
+from linkwright.stages.robot.text.globs import yaml_key
 from tests.support.building import plan_of, write
 from tests.support.checked import failures
 from tests.support.mjcfs import body, model
@@ -180,7 +180,7 @@ def test_what_an_mjcf_does_not_name_gets_a_name_that_nothing_has(tmp_path):
 
 @pytest.mark.parametrize("name", ODD)
 def test_the_key_that_a_hint_gives_means_that_name_alone(name):
-    keys = yaml.safe_load(f"joints:\n  {as_key(name)}: {{limits: [-0.5, 0.5], damping: 7}}\n")["joints"]
+    keys = yaml.safe_load(f"joints:\n  {yaml_key(name)}: {{limits: [-0.5, 0.5], damping: 7}}\n")["joints"]
     robot = urdf_robot(chain_of(ODD), plan_of(joints=keys))
     assert [dof.name for dof in robot.dofs if dof.dynamics.damping == 7] == [name]
 

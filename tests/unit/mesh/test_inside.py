@@ -96,7 +96,7 @@ def test_closed_shells_and_open_shells_add_up():
     points = points_in(surface, 800)
     assert_clear(surface, points, 0.2)
     inside = InsideTest.of(surface)
-    assert len(inside.holed.surface.triangles) == len(HOLED.triangles)
+    assert len(inside.open_part.surface.triangles) == len(HOLED.triangles)
     assert 0.1 < inside(points).mean() < 0.9
 
 

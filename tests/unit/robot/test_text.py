@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.stages.formats import xml
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 from linkwright.stages.robot.text.names import legal, shortest_unique
 from linkwright.stages.robot.text.printable import printable, printable_lines
 
@@ -49,12 +49,14 @@ def test_names_are_unique_legal_and_blind_to_order(by_object, seed):
 
 
 def test_a_message_names_what_is_near_and_all_there_is():
-    assert there_are("sholder", {"joints": ["wrist", "shoulder"]}) == (
+    assert no_match_hint("sholder", {"joints": ["wrist", "shoulder"]}) == (
         "did you mean shoulder? joints are: shoulder, wrist"
     )
     names = {"links": ["base"], "parts": ["Bracket", "Block"]}
-    assert there_are("Braket", names) == "did you mean Bracket? links are: base; parts are: Block, Bracket"
-    assert there_are("wheel*", {"frames": []}) == "frames are: none"
+    assert (
+        no_match_hint("Braket", names) == "did you mean Bracket? links are: base; parts are: Block, Bracket"
+    )
+    assert no_match_hint("wheel*", {"frames": []}) == "frames are: none"
 
 
 @pytest.mark.parametrize(("text", "shown"), [

@@ -13,7 +13,7 @@ from linkwright.stages.robot.errors import Diagnostic, ExportError
 from linkwright.stages.robot.model.poses import UNMOVED, from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Array, Robot, frozen
 from linkwright.stages.robot.model.sensing import SensorCamera
-from linkwright.stages.robot.text.globs import there_are
+from linkwright.stages.robot.text.globs import no_match_hint
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import CameraSection
@@ -53,7 +53,7 @@ def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraSection"]) -> list
             "E-FRAME",
             f"there is no frame or link {camera.frame!r}",
             f"scene.cameras.{name}.frame",
-            there_are(camera.frame, {"frames and links": frames}),
+            no_match_hint(camera.frame, {"frames and links": frames}),
         )
         for name, camera in cameras.items()
         if camera.frame is not None and camera.frame not in frames

@@ -17,7 +17,7 @@ from linkwright.stages.fetch.mjcf.compiled.unsupported_fields import (
 from linkwright.stages.mujoco.bodies import CONVERTED_GEOM_TYPES
 from linkwright.stages.mujoco.names import name_of, names_of
 from linkwright.stages.robot.errors import Diagnostic
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 _MAX_NAMES = 5
@@ -63,7 +63,7 @@ def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diag
     tops = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
     fixed = int((model.geom_bodyid == 0).sum())
     words = (
-        [f"{count(len(tops), 'body', 'bodies')} ({listed(model.body(body).name for body in tops)})"]
+        [f"{count(len(tops), 'body', 'bodies')} ({name_list(model.body(body).name for body in tops)})"]
         if tops
         else []
     )

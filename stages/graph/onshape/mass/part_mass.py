@@ -22,7 +22,7 @@ from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import ZERO, scaled, tensor
 from linkwright.stages.robot.model.robot import Inertial, frozen
-from linkwright.stages.robot.text.globs import escaped, listed, unnumbered
+from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
 from linkwright.stages.robot.text.plural import count
 
 PartKey = tuple[StudioKey, str]
@@ -125,7 +125,7 @@ def _kinds(
 ) -> list[Kind]:
     """Returns the kinds of parts, sorted by title; reports E-BODY-TYPE for those that no robot can have."""
     parts = assembly.parts
-    names = [{part.title, part.names[-1], unnumbered(part.names[-1])} for part in parts]
+    names = [{part.title, part.names[-1], without_number(part.names[-1])} for part in parts]
     groups: dict[tuple[PartKey, tuple[int, ...]], list[Occurrence]] = {}
     for part, entries in zip(parts, entries_of(names, sections, "mass.parts", "part", log), strict=True):
         groups.setdefault((part_key(part.record), entries), []).append(part)
@@ -180,7 +180,7 @@ def _estimated_masses(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
         parts = count(number, "part")
         text = f"{parts} without mass treated as solid with {keys.density:g} kg/m³: {total:.3g} kg"
         hint = "give them a material in Onshape, or a mass in mass.parts"
-        log.report("W-MASS-ESTIMATED", text, listed(kind.called for kind in estimated), hint)
+        log.report("W-MASS-ESTIMATED", text, name_list(kind.called for kind in estimated), hint)
     return masses
 
 
@@ -196,7 +196,7 @@ def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
     if missing:
         number = sum(len(kind.occurrences) for kind in missing)
         hint = "give them a material in Onshape, or a mass in mass.parts"
-        where = listed(kind.called for kind in missing)
+        where = name_list(kind.called for kind in missing)
         log.report(
             "W-MASS-IGNORED", f"{count(number, 'part')} without mass: treated as massless", where, hint
         )
@@ -223,13 +223,13 @@ def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection)
     owners: dict[str, set[int]] = {}
     for kind in kinds:
         for occurrence in kind.occurrences:
-            owners.setdefault(unnumbered(occurrence.names[-1]), set()).add(id(kind))
+            owners.setdefault(without_number(occurrence.names[-1]), set()).add(id(kind))
     lines = {}
     for kind in missing:
         for occurrence in kind.occurrences if kind.volume else ():
-            plain = unnumbered(occurrence.names[-1])
+            plain = without_number(occurrence.names[-1])
             name = plain if owners[plain] == {id(kind)} else occurrence.title
-            lines[escaped(name)] = float(f"{keys.density * kind.volume:.3g}")
+            lines[exact_glob(name)] = float(f"{keys.density * kind.volume:.3g}")
     if not lines:
         return ""
     parts = ", ".join(f"{json.dumps(name, ensure_ascii=False)}: {{mass: {m}}}" for name, m in lines.items())

@@ -24,7 +24,7 @@ from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import frozen
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 
@@ -269,7 +269,7 @@ class _Copier:
             if series.carried:
                 message = (
                     f"its seed is fastened, and so are the copies; the mates of the parts "
-                    f"that the seed carries are not copied: {listed(sorted(series.carried))}"
+                    f"that the seed carries are not copied: {name_list(sorted(series.carried))}"
                 )
                 hint = "mate the copies themselves to what they carry"
                 self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)

@@ -21,7 +21,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.model.poses import from_parts, inverse
 from linkwright.stages.robot.model.robot import Array, frozen
-from linkwright.stages.robot.text.globs import escaped, listed
+from linkwright.stages.robot.text.globs import exact_glob, name_list
 
 MIN_CENTRE_DISTANCE = 0.01
 """Smallest distance of the centres of mass of a seed and its copy, in radii of gyration: the line between
@@ -111,7 +111,7 @@ class MirrorPlanes:
                 images[copy] = Image(reflection, leaves=None if self._same_part(seed, copy) else leaves)
         rebuilt = [copy for copy, image in images.items() if image.leaves]
         if rebuilt:
-            titles = listed(self.assembly.occurrences[copy].title for copy in rebuilt)
+            titles = name_list(self.assembly.occurrences[copy].title for copy in rebuilt)
             message = (
                 f"taken for the mirror images of their seeds, at the plane {_plane_of(reflection)}: {titles}"
             )
@@ -220,7 +220,7 @@ class MirrorPlanes:
             middle = self._middle(pattern.owner, (seed, copy))
             plane = _yaml(*middle[0]) if middle else _yaml(np.array([0.0, 1.0, 0.0]), np.zeros(3))
             where = "here midway between them" if middle else "here an example"
-            name = json.dumps(escaped(pattern.title), ensure_ascii=False)
+            name = json.dumps(exact_glob(pattern.title), ensure_ascii=False)
             hint += f"; or give the plane, in its assembly's frame ({where}): mirrors: {{{name}: {plane}}}"
         message += ": the seed's mates cannot be copied to it"
         self.log.report("W-PATTERN", message, pattern.title, hint)

@@ -9,7 +9,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot
 from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
-from linkwright.stages.robot.text.globs import fits, there_are
+from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 LIMIT_TOLERANCE = 1e-6
 """Largest excess [rad or m] of a saved value over its limits that is not reported."""
@@ -39,7 +39,7 @@ def with_properties(robot: Robot, sections: Mapping[str, JointSection], log: Dia
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     for glob, keys in sections.items():
-        matching_dofs = [dof for dof in dofs if fits(dof.name, glob)]
+        matching_dofs = [dof for dof in dofs if matches_glob(dof.name, glob)]
         _check_glob(glob, keys, matching_dofs, robot, log)
         _check_gear(glob, keys, matching_dofs, sections, log)
         _report_idle(glob, keys, robot.loops, log)
@@ -50,12 +50,14 @@ def _check_glob(glob: str, keys: JointSection, dofs: Sequence[Dof], robot: Robot
     """Reports E-GLOB for a glob that matches no dof, and E-JOINT for limits that do not suit the dofs."""
     if not dofs:
         joints: list[Joint | Loop] = [*robot.joints, *robot.loops]
-        names = ", ".join(dof.name for joint in joints if fits(joint.name, glob) for dof in joint.dofs)
+        names = ", ".join(
+            dof.name for joint in joints if matches_glob(joint.name, glob) for dof in joint.dofs
+        )
         if names:
             text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
             log.report("E-GLOB", text, "joints", f"name one of its dofs: {names}")
             return
-        hint = there_are(glob, {"joints": [dof.name for joint in joints for dof in joint.dofs]})
+        hint = no_match_hint(glob, {"joints": [dof.name for joint in joints for dof in joint.dofs]})
         log.unmatched("E-GLOB", f"no joint matches {glob!r}", "joints", hint, glob)
     _check_units(glob, keys, dofs, log)
     if keys.limits in (None, (None, None)):  # no limits suit dofs of every kind
@@ -108,7 +110,11 @@ def _check_gear(
     """Reports E-JOINT for a gear without a rotor, and for a rotor on a dof that is neither a turn nor a
     slide."""
     rotors = [other for other, section in sections.items() if section.rotor_inertia is not None]
-    if keys.gear is not None and dofs and not any(fits(d.name, other) for d in dofs for other in rotors):
+    if (
+        keys.gear is not None
+        and dofs
+        and not any(matches_glob(d.name, other) for d in dofs for other in rotors)
+    ):
         text = f"{glob!r} gives a gear to joints that have no rotor_inertia"
         hint = "give rotor_inertia too [kg m²]; the gear of an actuator is actuators.<name>.gear"
         log.report("E-JOINT", text, "joints", hint)
@@ -122,7 +128,7 @@ def _report_idle(glob: str, keys: JointSection, loops: Sequence[Loop], log: Diag
     simulated dofs, so it is not reported."""
     quantities = [key for key in (*Dynamics.__slots__, "rotor_inertia") if getattr(keys, key) is not None]
     idle = [dof.name for loop in loops if loop.type in POINTWISE for dof in loop.dofs]
-    idle = [name for name in idle if fits(name, glob)]
+    idle = [name for name in idle if matches_glob(name, glob)]
     if glob != "*" and quantities and idle:
         text = (
             f"the mate closes a loop by its points, where {', '.join(quantities)} of {glob!r} have no effect"
@@ -137,7 +143,7 @@ def _with_sections(dof: Dof, sections: Mapping[str, JointSection]) -> Dof:
     by_name = dict.fromkeys(dof.given, False)
     rotor, gear, by_rotor = None, 1.0, False
     for glob, keys in sections.items():
-        if not fits(dof.name, glob):
+        if not matches_glob(dof.name, glob):
             continue
         if keys.limits is not None:
             limits = Limits(*(None if end is None else float(end) for end in keys.limits))

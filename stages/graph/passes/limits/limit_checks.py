@@ -12,7 +12,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Loop, Robot, Value
 from linkwright.stages.robot.motion.loops import POINTWISE
-from linkwright.stages.robot.text.globs import as_key, fits
+from linkwright.stages.robot.text.globs import matches_glob, yaml_key
 
 LOCKED_PLAY = 1e-6
 """Half the range [rad or m] of a dof whose limits are equal: to MuJoCo an empty range means no limit."""
@@ -35,7 +35,7 @@ def _report_doubts(robot: Robot, log: Diagnostics) -> None:
         dof = next((dof for dof in joint.dofs if dof.limits.origin != AS_TYPED), None)
         if dof is None:
             continue
-        entry = f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}"
+        entry = f"joints: {{{yaml_key(dof.name)}: {{limits: [low, high]}}}}"
         for text in dof.limits.origin.doubts:
             log.report("W-LIMIT-DOUBT", text, joint.name, f"type it again on the mate, or {entry}")
         for text in dof.limits.origin.open:
@@ -89,7 +89,11 @@ def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_
     lacking: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
-            if dof.kind == "free" or _is_endless(joint) or any(fits(dof.name, glob) for glob in decided):
+            if (
+                dof.kind == "free"
+                or _is_endless(joint)
+                or any(matches_glob(dof.name, glob) for glob in decided)
+            ):
                 continue
             if dof.limits.origin.unknown:
                 lacking.append((joint, dof, f"its limits in CAD are unknown: {dof.limits.origin.unknown}"))
@@ -111,7 +115,7 @@ def _is_endless(joint: Joint) -> bool:
 
 def _limits_entry(dof: Dof, values: str = "low, high") -> str:
     """Returns the line of YAML that gives a dof its limits."""
-    return f"joints: {{{as_key(dof.name)}: {{limits: [{values}]}}}}  # {UNITS[dof.kind]}"
+    return f"joints: {{{yaml_key(dof.name)}: {{limits: [{values}]}}}}  # {UNITS[dof.kind]}"
 
 
 def _block(dofs: Sequence[Dof]) -> str:
@@ -121,7 +125,7 @@ def _block(dofs: Sequence[Dof]) -> str:
         return "null" if end is None else f"{end:.9g}"
 
     lines = [
-        f"  {as_key(dof.name)}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}"
+        f"  {yaml_key(dof.name)}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}"
         f"  # {UNITS[dof.kind]}"
         for dof in dofs
     ]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from linkwright.stages.graph.passes.limits.joint_limits import with_each_dof
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, DofKind, Limits, Robot
-from linkwright.stages.robot.text.globs import as_key, listed
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 
 MIN_UNLIMITED_END = 1000.0
 """Smallest end of a range [rad, m] that counts as unlimited, whatever the number: 159 turns, a kilometre."""
@@ -35,9 +35,9 @@ def without_placeholders(robot: Robot, log: Diagnostics) -> Robot:
 
     robot = with_each_dof(robot, checked)
     if dofs_by_change:
-        text = "; ".join(f"{change} ({listed(names)})" for change, names in dofs_by_change.items())
+        text = "; ".join(f"{change} ({name_list(names)})" for change, names in dofs_by_change.items())
         names = {name for joints in dofs_by_change.values() for name in joints}
-        entry = f"joints: {{{as_key(min(names))}: {{limits: [low, high], effort: N, velocity: N}}}}"
+        entry = f"joints: {{{yaml_key(min(names))}: {{limits: [low, high], effort: N, velocity: N}}}}"
         hint = f"give the limits that the joints have, or the same numbers where they are meant: {entry}"
         text = f"numbers that mean no limit are ignored: {text}"
         log.report("W-URDF-PLACEHOLDER", text, robot.provenance.document, hint)

@@ -7,7 +7,7 @@ from linkwright.stages.formats.xml import parse
 from linkwright.stages.mujoco.names import body_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import differs, few, named
@@ -27,7 +27,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     total = sum(shape.role == "collision" for shape in geometry.shapes)
     detail = f"{count(total, 'collider')} with the robot's friction, stiffness and margin"
     if findings:
-        attributes = listed(f"{finding.element} {finding.attribute}" for finding in findings)
+        attributes = name_list(f"{finding.element} {finding.attribute}" for finding in findings)
         detail = f"not as the robot has them: {attributes}"
     yield compiled.within("contact properties", float(len(findings)), 0.0, detail, few(findings))
 

@@ -18,7 +18,7 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.dynamics.inertia import SPECK
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.system.install import install
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.dynamics.in_mujoco import in_mujoco
@@ -192,7 +192,7 @@ def _left_out(robot: Robot, carried: bool, added: Sequence[str]) -> str:
     if not robot.base.fixed:
         words.append("the base, which is held")
     if added:
-        words.append(f"all forces, since {listed(added)} may weigh")
+        words.append(f"all forces, since {name_list(added)} may weigh")
     elif carried:
         words.append("all forces, since carriers of loops have a share of the mass")
     return f"; left out: {', '.join(words)}" if words else ""

@@ -14,7 +14,7 @@ from linkwright.stages.mujoco.trial import MAX_OPENING, trial_run
 from linkwright.stages.mujoco.variants import misfit, variant
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.text.file_names import VARIANTS as FILE
-from linkwright.stages.robot.text.globs import listed
+from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.validate.checks.simulation.rest import largest_motions
 from linkwright.stages.validate.compiled import CompiledModel
 
@@ -103,7 +103,7 @@ def _simulated(compiled: CompiledModel, variants: Variants) -> Iterator[Check]:
     yield compiled.result("variants run", not failed, text, largest_opening, MAX_OPENING)
     if rests:
         text = "they rest at home as the robot does"
-        text += f", except {listed(moving)}{HINT}" if moving else ""
+        text += f", except {name_list(moving)}{HINT}" if moving else ""
         yield compiled.result("variants rest", not moving, text, float(len(moving)), 0.0, level="warning")
 
 
