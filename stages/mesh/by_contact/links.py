@@ -11,7 +11,7 @@ import numpy as np
 from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut.chunk import Chunk, hull_chunk
-from linkwright.stages.mesh.fit import allowed, fits
+from linkwright.stages.mesh.fit import allowed_kinds, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, placed, surface_of, volume
 from linkwright.stages.robot.model.poses import inverse
@@ -88,7 +88,7 @@ def _primitive(
     if part is None or part not in primitives:
         local_hull = moved(hull.piece, inverse(link_from_part))
         tolerance = default_tolerance(local_hull.diagonal)
-        candidates = (fit.primitive for fit in fits(local_hull, allowed(settings.limits), tolerance))
+        candidates = (fit.primitive for fit in fits(local_hull, allowed_kinds(settings.limits), tolerance))
         primitives[part] = next(
             (shape for shape in candidates if volume(shape) <= MAX_VOLUME_RATIO * hull.volume), None
         )

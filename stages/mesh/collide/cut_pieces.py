@@ -78,7 +78,7 @@ class Cut:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Portion:
-    """A portion of a part, and its hull, which becomes a piece if the portion is neither cut nor joined."""
+    """A portion of a part with its hull. The hull becomes a piece, unless the portion is cut or joined."""
 
     surface: Surface
     """Triangles of the part in this portion; of joined portions, their common hull."""
@@ -113,6 +113,7 @@ class PieceCutter:
         self._distances = Field.of(judge.target, judge.tolerance)
         self._seam_width = _SEAM_WIDTH * judge.target.diagonal
         self._part_area = judge.surface.area()
+        # Results of `_points_inside` and `_pieces`.
         self._inside: dict[tuple[Portion, Portion], Flags | None] = {}
         self._piece_of: dict[Portion, Piece] = {}
 
@@ -127,19 +128,19 @@ class PieceCutter:
                 return cut
             cuts += [cut] if cut.pieces else []
         if len(cuts) == 1:
-            return cuts[0]  # without the time for its measures
+            return cuts[0]  # no need to measure, which takes time
         return min(cuts, key=self._miss, default=Cut((), is_near=False))
 
     def prepare(self, pieces: Sequence[Piece]) -> list[Portion]:
-        """Prepares pieces that were made elsewhere to be joined."""
+        """Returns pieces that were made elsewhere as portions, to be joined."""
         originals = [piece if vertices(piece) <= self._max_vertices else None for piece in pieces]
         hulls = map(surface_of, pieces)
         return [self._portion(hull, hull, original) for hull, original in zip(hulls, originals, strict=True)]
 
     def join(self, portions: Sequence[Portion], max_pieces: int | None = None) -> Cut:
         """Joins, again and again, the two portions whose common hull stands out least, and returns the fewest
-        pieces that are near enough, at most `max_pieces` (default: 16). If they never are, returns the first
-        pieces of which there are so few."""
+        pieces that are near enough, at most `max_pieces` (default: 16). If no state is near enough, returns
+        the first with at most as many pieces."""
         states = [[*portions]]
         hulls: dict[tuple[Portion, Portion], tuple[float, Surface | None]] = {}
         while len(states[-1]) > 1 and (next_state := self._join_pair(states[-1], hulls)):

@@ -11,7 +11,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings, LadderSettings
-from linkwright.stages.mesh.fit import allowed, capped_hull, fits
+from linkwright.stages.mesh.fit import allowed_kinds, capped_hull, fits
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
 from linkwright.stages.mesh.surfaces.snapping import snapped
@@ -61,7 +61,7 @@ def _wholes(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str, Piece
         return
     # A primitive that covers the part up to a tolerance stands out nearly as far as the hull.
     if not judge.hopeless([whole], _MAX_HULL_MISS):
-        for fitted in fits(judge.surface, allowed(settings.limits), _MAX_FIT_ERROR * judge.tolerance):
+        for fitted in fits(judge.surface, allowed_kinds(settings.limits), _MAX_FIT_ERROR * judge.tolerance):
             yield fitted.primitive.kind, fitted.primitive
     capped = capped_hull(judge.surface, settings.max_vertices)
     if capped is not None:

@@ -6,13 +6,13 @@ from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.acceptance import with_measures
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import PrimitiveSettings
-from linkwright.stages.mesh.fit import allowed, fittest
+from linkwright.stages.mesh.fit import allowed_kinds, best_primitive
 
 
 def make(surfaces: Sequence[Surface], settings: PrimitiveSettings) -> Collision:
     """Makes the primitive with the smallest error, however large that error is. A flat part has no primitive:
     its collider has no pieces, and a note."""
-    primitive = fittest(joined(surfaces), allowed(settings.limits))
+    primitive = best_primitive(joined(surfaces), allowed_kinds(settings.limits))
     if primitive is None:
         return Collision(note="it is flat")
     return with_measures(Collision((primitive,), rung=primitive.kind), surfaces, settings.tolerance)

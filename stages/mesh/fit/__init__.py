@@ -22,8 +22,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from linkwright.stages.mesh.fit import balls, capped, kinds
-from linkwright.stages.mesh.fit.kinds import best_fit_within, subject_of
+from linkwright.stages.mesh.fit import balls, capped
+from linkwright.stages.mesh.fit.kinds import (
+    best_fit,
+    best_fit_within,
+    first_best_fit,
+    fit_with_size,
+    subject_of,
+)
 from linkwright.stages.mesh.fit.outline import outline_of
 
 if TYPE_CHECKING:
@@ -42,7 +48,7 @@ formulas only against planes and spheres, and otherwise costs as much as a hull 
 """
 
 
-def allowed(limits: ShapeLimits) -> tuple[PrimitiveKind, ...]:
+def allowed_kinds(limits: ShapeLimits) -> tuple[PrimitiveKind, ...]:
     """Returns the kinds of primitives that the limits allow, the cheapest first."""
     return tuple(kind for kind in CHEAPEST if kind not in limits.without)
 
@@ -62,12 +68,13 @@ def fits(
         yield from (fit for fit in all_fits if fit)
 
 
-def fittest(surface: Surface, among: Sequence[PrimitiveKind] = CHEAPEST) -> Primitive | None:
-    """Returns the fit with the least error, the cheapest of equal fits; None for a flat part."""
-    subject = kinds.subject_of(surface)
+def best_primitive(surface: Surface, kinds: Sequence[PrimitiveKind] = CHEAPEST) -> Primitive | None:
+    """Returns the primitive with the smallest error among these kinds; among equal errors, that of the first
+    kind. None for a flat part."""
+    subject = subject_of(surface)
     if subject is None:
         return None
-    return kinds.first_best_fit([kinds.best_fit(kind, subject) for kind in among], subject.outline).primitive
+    return first_best_fit([best_fit(kind, subject) for kind in kinds], subject.outline).primitive
 
 
 def fit_kind(
@@ -78,10 +85,10 @@ def fit_kind(
     `size`: lengths that the user chose, as in `Primitive.size`; None for a length that is fitted. With
     `size`, a box is aligned with x, y and z.
     """
-    subject = kinds.subject_of(surface)
+    subject = subject_of(surface)
     if subject is None:
         return None
-    return kinds.fit_with_size(kind, subject, size) if size else kinds.best_fit(kind, subject).primitive
+    return fit_with_size(kind, subject, size) if size else best_fit(kind, subject).primitive
 
 
 def spheres(surface: Surface, tolerance: float, max_spheres: int = 64) -> tuple[Primitive, ...]:

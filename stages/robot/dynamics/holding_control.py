@@ -50,7 +50,7 @@ def can_hold(actuator: Actuator) -> bool:
         return False
     if actuator.type == "intvelocity" or _force_by_control(actuator).gain:
         return True
-    # A spring holds without a control.
+    # A bias that depends on the length is a spring, which holds without a control.
     return _general_force(dict(actuator.terms)).b1 != 0.0
 
 

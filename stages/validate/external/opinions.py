@@ -24,7 +24,7 @@ class NoVerdict(Exception):
     """The checker could not judge. The message says why."""
 
 
-def of_simcheck(output: str, _: Path) -> Opinion:
+def read_simcheck(output: str, _: Path) -> Opinion:
     """Reads `simcheck check --format json`: a list with one object for each file."""
     (report,) = json.loads(output)
     entries = [entry for result in report["results"] for entry in result["findings"]]
@@ -34,7 +34,7 @@ def of_simcheck(output: str, _: Path) -> Opinion:
     return Opinion(named["error"], named["warning"], f"{report['verdict']}, score {report['score']:g}")
 
 
-def of_mjcf_doctor(output: str, _: Path) -> Opinion:
+def read_mjcf_doctor(output: str, _: Path) -> Opinion:
     """Reads `mjcf-doctor check --json`: a list with one object for each file, after a text for people."""
     (report,) = json.loads(output[output.index("\n[\n") + 1 :])
     levels = {entry["level"] for entry in report["findings"]} - {"INFO", "WARN", "WARNING"}
@@ -51,7 +51,7 @@ def of_mjcf_doctor(output: str, _: Path) -> Opinion:
     return Opinion(errors, warnings)
 
 
-def of_urdf_validator(_: str, folder: Path) -> Opinion:
+def read_urdf_validator(_: str, folder: Path) -> Opinion:
     """Reads the report that `urdf_validate --output-dir` writes."""
     (path,) = folder.glob("*_validation.json")
     report = json.loads(path.read_text(encoding="utf-8"))
@@ -64,14 +64,14 @@ def of_urdf_validator(_: str, folder: Path) -> Opinion:
     return Opinion(errors, warnings, str(report.get("overall_status", "")))
 
 
-SIMREADY = "simready.json"
+SIMREADY_REPORT = "simready.json"
 """The file that `simready-validate --output` writes here."""
 
 
-def of_simready(output: str, folder: Path) -> Opinion:
+def read_simready(output: str, folder: Path) -> Opinion:
     """Reads the report that `simready-validate --output` writes, on the features of a profile. An optional
     feature that is not met is not an error. Raises NoVerdict if the profile is unknown."""
-    path = folder / SIMREADY
+    path = folder / SIMREADY_REPORT
     results = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     if not results:
         hint = "is simready-foundation-tier-core installed beside it?"

@@ -12,13 +12,13 @@ from linkwright.stages.robot.check import Check, CheckLevel
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.external import CODE
 from linkwright.stages.validate.external.opinions import (
-    SIMREADY,
+    SIMREADY_REPORT,
     NoVerdict,
     Opinion,
-    of_mjcf_doctor,
-    of_simcheck,
-    of_simready,
-    of_urdf_validator,
+    read_mjcf_doctor,
+    read_simcheck,
+    read_simready,
+    read_urdf_validator,
 )
 from linkwright.stages.validate.external.tool import Tool
 
@@ -55,16 +55,16 @@ SIMREADY_PROFILE = ("--profile", "Robot-Body", "--version", "3.0.0")
 
 
 def _simready_arguments(file: Path, reports: Path) -> list[str]:
-    return [*SIMREADY_PROFILE, "--output", str(reports / SIMREADY), str(file)]
+    return [*SIMREADY_PROFILE, "--output", str(reports / SIMREADY_REPORT), str(file)]
 
 
 USES = {
-    "simcheck": ToolUse((".urdf", ".xml"), _simcheck_arguments, of_simcheck),
-    "mjcf_doctor": ToolUse(("scene.xml",), lambda file, _: ["check", str(file), "--json"], of_mjcf_doctor),
+    "simcheck": ToolUse((".urdf", ".xml"), _simcheck_arguments, read_simcheck),
+    "mjcf_doctor": ToolUse(("scene.xml",), lambda file, _: ["check", str(file), "--json"], read_mjcf_doctor),
     "urdf_validator": ToolUse(
-        (".urdf",), lambda file, reports: [str(file), "--output-dir", str(reports)], of_urdf_validator
+        (".urdf",), lambda file, reports: [str(file), "--output-dir", str(reports)], read_urdf_validator
     ),
-    "simready": ToolUse((".usda",), _simready_arguments, of_simready),
+    "simready": ToolUse((".usda",), _simready_arguments, read_simready),
 }
 """Name of a tool, as in `TOOLS` → its use."""
 

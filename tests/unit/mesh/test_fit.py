@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from linkwright.stages.formats.meshes.surface import Surface, moved
-from linkwright.stages.mesh.fit import CHEAPEST, allowed, fit_kind, fits, fittest
+from linkwright.stages.mesh.fit import CHEAPEST, allowed_kinds, best_primitive, fit_kind, fits
 from linkwright.stages.mesh.measure import Target, measure
 from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
 from linkwright.stages.robot.model.robot import Primitive, frozen
@@ -110,7 +110,7 @@ def test_sphere_and_capsule_in_any_pose_are_found_again(radius, seed):
 )
 @pytest.mark.parametrize("seed", [1, 2])
 def test_fittest_kind_is_that_of_the_part(surface, kind, seed):
-    assert fittest(moved(surface, some_pose(seed))).kind == kind
+    assert best_primitive(moved(surface, some_pose(seed))).kind == kind
 
 
 def test_radius_of_a_gear_is_between_its_root_and_its_tip():
@@ -158,7 +158,7 @@ def test_moved_or_mirrored_part_in_another_order_has_the_moved_fit(surface, kind
 
 def test_cheapest_kinds_come_first_and_mjx_gets_no_cylinder():
     assert [fit.primitive.kind for fit in fits(BRACKET)] == ["sphere", "capsule", "box", "cylinder"]
-    without = allowed(shape_limits(["mjx"]))
+    without = allowed_kinds(shape_limits(["mjx"]))
     assert [fit.primitive.kind for fit in fits(BRACKET, without)] == ["sphere", "capsule", "box"]
 
 
@@ -172,7 +172,7 @@ def test_lengths_of_the_user_are_kept_and_the_others_fitted():
 
 def test_flat_part_has_no_fit():
     flat = Surface(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]]), np.array([[0, 1, 2], [2, 1, 0]]))
-    assert (list(fits(flat)), fittest(flat), fit_kind("box", flat)) == ([], None, None)
+    assert (list(fits(flat)), best_primitive(flat), fit_kind("box", flat)) == ([], None, None)
 
 
 @pytest.mark.parametrize(
@@ -195,5 +195,5 @@ def test_inside_out_part_has_the_fits_of_the_part():
 def test_open_or_doubled_box_of_any_size_is_a_box(scale):
     mesh = trimesh.creation.box((0.1, 0.05, 0.02))
     for triangles in (mesh.faces[:7], np.concatenate([mesh.faces, mesh.faces])):
-        fitted = fittest(Surface(mesh.vertices * scale, np.asarray(triangles, dtype=np.int64)))
+        fitted = best_primitive(Surface(mesh.vertices * scale, np.asarray(triangles, dtype=np.int64)))
         assert fitted.size == pytest.approx((0.1 * scale, 0.05 * scale, 0.02 * scale), rel=1e-6)

@@ -219,7 +219,7 @@ def test_no_program_of_the_working_folder_is_a_checker(folder, tmp_path, monkeyp
 
 
 def test_a_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
-    monkeypatch.setattr(runs, "SECONDS", 0.5)
+    monkeypatch.setattr(runs, "MAX_SECONDS", 0.5)
     stand_in(tmp_path / "bin", "mjcf-doctor", "time.sleep(60)")
     (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
     assert "longer than 0.5 s" in check.detail

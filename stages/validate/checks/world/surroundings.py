@@ -24,8 +24,19 @@ from linkwright.stages.validate.model.poses import placed
 PLANE = mujoco.mjtGeom.mjGEOM_PLANE
 
 OPTIONS = (
-    *("timestep", "integrator", "cone", "impratio", "gravity", "wind", "magnetic", "density", "viscosity"),
-    *("solver", "iterations", "tolerance", "noslip_iterations"),
+    "timestep",
+    "integrator",
+    "cone",
+    "impratio",
+    "gravity",
+    "wind",
+    "magnetic",
+    "density",
+    "viscosity",
+    "solver",
+    "iterations",
+    "tolerance",
+    "noslip_iterations",
 )
 """Attributes of `<option>` that change how a robot moves."""
 

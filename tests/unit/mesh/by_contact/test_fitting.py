@@ -8,7 +8,7 @@ from linkwright.stages.mesh.by_contact import fitting
 from linkwright.stages.mesh.by_contact.fitting import EndToFit, end_fitter
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.chunk import Chunk, hull_chunk
-from linkwright.stages.mesh.fit import fittest
+from linkwright.stages.mesh.fit import best_primitive
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.system.guest import Bounds
 from tests.support.solids import box, of_mesh
@@ -66,7 +66,7 @@ def test_end_that_needs_no_cut_keeps_its_pieces():
     """The very same object, by which its depths in other links are known; a primitive stays a primitive."""
     block = hull_chunk(box(0.04, 0.05, 0.06), 32, 0)
     ball = of_mesh(trimesh.creation.icosphere(3, 0.02))
-    sphere = fittest(ball)
+    sphere = best_primitive(ball)
     start = Chunk.of(ball, sphere, 0)
     with end_fitter(2) as fitter:
         chunks, _ = by_guest(fitter, EndToFit(block.surface, ((block,),), SETTINGS))
