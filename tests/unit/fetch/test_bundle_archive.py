@@ -107,7 +107,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path):
         BundleSource(source).content()
 
 
-def test_however_a_bundle_is_harmed_it_is_refused_or_read_as_it_was():
+def test_a_harmed_bundle_is_refused_or_read_as_it_was():
     good = zipped(GOOD)
     whole, chance = read(good, "x.zip"), random.Random(3)
     refusals = 0

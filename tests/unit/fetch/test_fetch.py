@@ -223,7 +223,7 @@ def build(server, kept, pin="m", **keys):
 
 
 @pytest.mark.parametrize(("kind", "body"), CASES)
-def test_an_empty_reply_is_asked_for_once_more_and_refused_if_it_stays_so(server, kind, body):
+def test_an_empty_reply_is_asked_for_twice_and_refused(server, kind, body):
     for pin in "mw":
         right, kept = build(server, Kept(), pin), Kept()
         instead(server, kind, body, times=1)
@@ -271,7 +271,7 @@ def test_an_incomplete_reply_that_was_kept_is_as_none(server, kind, kept):
     assert build(server, kept).calls == 0
 
 
-def test_incomplete_replies_of_an_earlier_state_are_not_taken_over(server, kept):
+def test_incomplete_replies_of_before_are_not_taken_over(server, kept):
     build(server, kept, "w")
     for request in list(kept):
         if "/tessellatedfaces?" in request:

@@ -50,7 +50,7 @@ def names_of(model, kind, count):
     return [getattr(model, kind)(index).name for index in range(count)]
 
 
-def test_each_actuator_and_sensor_has_its_parameters_and_its_place(path):
+def test_actuators_and_sensors_have_their_parameters(path):
     was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     assert names_of(now, "actuator", now.nu) == ["spin", "push", "b", "lag", "bent", "creep", "again"]
     for field in (
@@ -80,7 +80,7 @@ def test_it_moves_and_measures_as_it_did_under_any_controls(path):
     np.testing.assert_allclose(now.sensordata, was.sensordata, atol=1e-6)
 
 
-def test_an_entry_that_only_measures_keeps_the_actuators_of_the_file(path):
+def test_an_entry_that_only_measures_keeps_actuators(path):
     bare, outcome = rebuilt(path), rebuilt(path, actuators={"*": {"encoder": True}, "a": {"force": True}})
     assert outcome.written.actuation == bare.written.actuation
     model = compiled(outcome)
@@ -96,7 +96,7 @@ ZONES = {"sphere": "0.03", "capsule": LONG, "ellipsoid": BLOCK, "cylinder": LONG
 
 
 @pytest.mark.parametrize("shape", ZONES)
-def test_a_touch_sensor_feels_in_the_same_shape_at_the_same_place(tmp_path, shape):
+def test_a_touch_sensor_keeps_its_shape_and_place(tmp_path, shape):
     zone = f'<site name="sole" pos="0.1 0.2 0.3" quat="1 2 3 4" type="{shape}" size="{ZONES[shape]}"/>'
     tree = text('<sensor><touch name="press" site="sole"/><gyro site="sole"/></sensor>')
     path = written(tmp_path, tree.replace('<site name="tip"', f'{zone}<site name="tip"'))

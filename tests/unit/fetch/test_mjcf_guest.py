@@ -159,7 +159,7 @@ def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("guests_at_home")
-def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
+def test_an_attached_model_is_part_of_the_identity(tmp_path):
     (tmp_path / "arm").mkdir()
     (tmp_path / "arm" / "wedge.stl").write_bytes(block())
     asset = '<asset><mesh file="wedge.stl"/></asset>'
@@ -220,7 +220,7 @@ def test_the_identity_is_the_content_of_all_files(tmp_path):
     ],
 )
 @pytest.mark.usefixtures("guests_at_home")
-def test_what_is_no_model_is_refused_in_one_sentence_without_a_path(tmp_path, monkeypatch, text, said):
+def test_a_text_that_is_no_model_is_refused_without_a_path(tmp_path, monkeypatch, text, said):
     monkeypatch.chdir(tmp_path)
     path = written(tmp_path, text)
     with pytest.raises((SourceError, ProtocolError)) as caught:

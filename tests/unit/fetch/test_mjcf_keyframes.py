@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.robot.errors import AssemblyError
-from tests.support.exports import compiled
+from tests.support.exports import compiled, messages_of
 from tests.support.mjcfs import SOLID, body, model, rebuilt, robot_of, written
 
 pytestmark = pytest.mark.usefixtures("guests_at_home")
@@ -39,10 +39,10 @@ def values_of(robot):
 
 
 def messages(robot, code):
-    return " ".join(diagnostic.message for diagnostic in robot.diagnostics if diagnostic.code == code)
+    return " ".join(messages_of(robot, code))
 
 
-def test_the_joints_are_at_each_keyframe_where_the_source_has_them(tmp_path):
+def test_joints_are_at_each_keyframe_as_in_the_source(tmp_path):
     path = written(tmp_path, model(BASE, SERVOS + KEYS))
     robot = robot_of(path)
     assert values_of(robot) == {

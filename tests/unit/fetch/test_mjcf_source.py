@@ -20,15 +20,12 @@ from tests.support.cases import mostly_slow
 from tests.support.checked import checked
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.mjcfs import Original, body, bundle_of, model, random_model, robot_of, written
+from tests.support.reported import codes
 from tests.support.robots import joint, loop, robot_with, some_values
 
 pytestmark = pytest.mark.usefixtures("guests_at_home")
 
 EXACT = 1e-9
-
-
-def codes(robot):
-    return [diagnostic.code for diagnostic in robot.diagnostics]
 
 
 def vars_of(value, names):
@@ -170,7 +167,7 @@ def test_joint_equalities_obey_relations_too(tmp_path):
     agree(path, tmp_path / "out", relations={"second": {"invert": True}})
 
 
-def test_one_that_follows_two_relates_them_and_a_circle_is_refused(tmp_path):
+def test_a_follower_of_two_relates_them_a_circle_is_refused(tmp_path):
     """b = .5 + 2 a and b = 3 c − .1, so that c = (.6 + 2 a) / 3: a drives both, as its relation is first."""
     arms = "".join(body(f"arm_{name}", f'<joint name="{name}" ref=".2"/>') for name in "abc")
     equality = """<equality><joint name="r1" joint1="b" joint2="a" polycoef=".7 2 0 0 0"/>
@@ -290,7 +287,7 @@ def test_actuators_bound_efforts_and_all_else_stays(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(mujoco.MjModel, "nactuator"), reason="an actuator has a single control")
-def test_a_servo_after_an_actuator_of_two_controls_keeps_its_range(tmp_path):
+def test_a_servo_after_two_controls_keeps_its_range(tmp_path):
     two = "".join(body(name, f'<joint name="{name}" range="-1 1"/>') for name in "ab")
     acting = (
         '<actuator><pid joint="a" kp="1"/><position name="b" joint="b" kp="7" ctrlrange="-.7 .7"/></actuator>'

@@ -70,7 +70,7 @@ def placed(files):
     return points
 
 
-def test_a_texture_survives_with_its_coordinates_pixels_and_colour(tmp_path):
+def test_a_texture_keeps_its_coordinates_and_pixels(tmp_path):
     files = source(tmp_path / "source")
     robot, geometry, _ = built_into(tmp_path, files)
     (shape,) = geometry.of("a", "visual")
@@ -201,7 +201,7 @@ def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
 
 
 @pytest.mark.parametrize(("group", "seen"), [(0, True), (1, False)])
-def test_what_collides_is_seen_with_what_is_only_seen_of_its_group(group, seen, tmp_path):
+def test_a_collider_is_seen_beside_a_visual_of_its_group(group, seen, tmp_path):
     """A ring around an arm that collides is drawn with it; a mesh in another group is drawn instead of it."""
     ring = f'<geom type="cylinder" size=".05 .01" contype="0" conaffinity="0" group="{group}"/>'
     robot = robot_of(written(tmp_path, model(body("base", ring + '<geom type="capsule" size=".03 .2"/>'))))
@@ -245,7 +245,7 @@ def test_a_mesh_lies_where_the_file_puts_it(tmp_path):
     assert visual.volume == pytest.approx(2 * 0.3 * 0.2 * 0.1 / 6, rel=1e-5)
 
 
-def test_what_is_only_seen_is_kept_though_the_file_would_do_without(tmp_path):
+def test_a_visual_is_kept_though_the_file_discards_it(tmp_path):
     shape = '<geom size=".1" contype="0" conaffinity="0"/>'
     path = written(tmp_path, model(body("base", shape), compiler='discardvisual="true"'))
     assert [(shape.visual, shape.collision) for shape in robot_of(path).root.shapes] == [(True, False)]

@@ -114,7 +114,7 @@ def broken():
 
 
 @pytest.mark.parametrize("case", broken())
-def test_an_image_that_cannot_be_used_is_named_and_the_colour_stays(tmp_path, case):
+def test_an_unusable_image_is_named_and_the_colour_stays(tmp_path, case):
     data, why = broken()[case]
     mtl = b"newmtl m\nKd 1 0 0\nmap_Kd four.png\n"
     bundle, reports = gathered(tmp_path, **{"m.mtl": mtl}, **({} if data is None else {"four.png": data}))
@@ -167,7 +167,7 @@ def test_a_material_of_the_urdf_gives_a_mesh_its_image(tmp_path):
     assert np.allclose(ordered(corners(body)), ordered(cube()))
 
 
-def test_the_urdfs_image_wins_and_where_it_is_missing_the_meshs_own_stays(tmp_path):
+def test_the_urdfs_image_wins_over_the_meshs_own(tmp_path):
     seen, why = (
         visual("cube.obj", inside=PAINTED.format("other.png")),
         "there is no such file, and no file of",

@@ -210,7 +210,7 @@ def test_the_folder_that_mujocos_extension_names_is_looked_in(tmp_path):
     assert (len(bundle.requests), reports) == (2, ())
 
 
-def test_moved_and_misspelt_files_are_found_by_a_unique_name_and_reported(tmp_path):
+def test_moved_files_are_found_by_a_unique_name(tmp_path):
     names = ("package://gone/meshes/a.stl", "meshes/B.STL", "visual/c.stl", "/home/nobody/d.stl")
     put(tmp_path, **{"urdf/r.urdf": urdf(*names), "meshes/a.stl": block(), "other/b.stl": block()})
     put(tmp_path, **{"m/visual/c.stl": block(), "m/collision/c.stl": block("ply"), "d.stl": block()})
@@ -275,7 +275,7 @@ print("trimesh" in sys.modules)"""
     assert subprocess.check_output([sys.executable, "-c", code], cwd=PROJECT, text=True).strip() == "False"
 
 
-def test_scale_is_applied_and_a_mirroring_one_keeps_the_outside_outside(tmp_path):
+def test_a_mirroring_scale_keeps_the_outside_outside(tmp_path):
     put(tmp_path, **{"r.urdf": urdf("a.stl", more=' scale="2 -1 0.5"'), "a.stl": block()})
     body = only_body(tmp_path / "r.urdf")
     assert volume(body) == pytest.approx(0.008, rel=1e-6)
@@ -284,7 +284,7 @@ def test_scale_is_applied_and_a_mirroring_one_keeps_the_outside_outside(tmp_path
     )
 
 
-def test_colours_are_the_files_own_unless_the_robot_says_otherwise(tmp_path):
+def test_colours_are_the_files_unless_the_robot_has_some(tmp_path):
     blue = "<material><color rgba='0 0 0.5 1'/></material>"
     put(tmp_path, **{"r.urdf": urdf("a.ply"), "s.urdf": urdf("a.ply", inside=blue), "a.ply": coloured("ply")})
     body = only_body(tmp_path / "r.urdf")
@@ -313,7 +313,7 @@ def test_materials_of_an_obj_are_its_colours(tmp_path):
     )
 
 
-def test_images_of_a_gltf_that_are_no_colours_are_reported_as_lost(tmp_path):
+def test_images_of_a_gltf_that_are_no_colours_are_lost(tmp_path):
     file = json.loads(trimesh.creation.box().export(file_type="gltf")["model.gltf"])
     buffers = trimesh.creation.box().export(file_type="gltf")
     data = {"uri": "data:image/png;base64,AA==", "name": "logo"}

@@ -99,7 +99,7 @@ def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
     ],
 )
 @pytest.mark.usefixtures("no_guest")
-def test_a_urdf_with_anything_for_xacro_is_refused_with_the_way_out(tmp_path, inside, said):
+def test_a_urdf_with_xacro_is_refused_with_the_way_out(tmp_path, inside, said):
     put(tmp_path, **{"r.urdf": robot(inside)})
     with pytest.raises(SourceError) as caught:
         gather(UrdfSourceSection(path=str(tmp_path / "r.urdf"), trust=True), {})
@@ -137,7 +137,7 @@ ESCAPED = (
 """The variables of the process, by an expression that gets around xacro's filter."""
 
 
-def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, monkeypatch):
+def test_a_trusted_xacro_sees_only_the_paths_of_ros(tmp_path, monkeypatch):
     monkeypatch.setenv("ONSHAPE_SECRET_KEY", "very-secret-indeed")
     environ = {"ROS_PACKAGE_PATH": str(tmp_path), "ONSHAPE_SECRET_KEY": "very-secret-indeed", "HOME": "/root"}
     text = made(tmp_path, f'<link name="{ESCAPED}"/>', environ)

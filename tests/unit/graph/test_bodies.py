@@ -87,7 +87,7 @@ def composed(kit):
     return light, heavy
 
 
-def test_a_composite_weighs_as_its_entry_and_looks_like_its_parts(kit):
+def test_a_composite_weighs_as_its_entry(kit):
     composed(kit)
     robot, geometry = geometry_of(kit.document)
     link = robot.link("whole")

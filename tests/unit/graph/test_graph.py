@@ -196,14 +196,6 @@ def test_fastening_to_the_origin_fixes_the_base(kit):
     assert "Anchor" in robot.base.reason
 
 
-def test_suppressed_things_are_as_absent(kit):
-    base, arm = kit.elbow(limits=(0, 1))
-    kit.place("Ghost", suppressed=True)
-    kit.root.fasten("Off", (arm, TOP), (base, TOP), suppressed=True)
-    robot = robot_of(kit.document)
-    assert ([link.name for link in robot.links], codes(robot)) == (["base", "arm"], [])
-
-
 def test_a_single_part_is_a_robot_but_two_without_mates_are_not(kit):
     kit.place("Brick")
     robot = robot_of(kit.document)
@@ -218,21 +210,6 @@ def test_limits_that_are_equal_lock_the_joint_with_a_little_play(kit, tmp_path):
     robot = robot_of(kit.document)
     assert codes(robot) == ["W-LIMIT-LOCKED"]
     assert failures(tmp_path, robot) == []
-
-
-def test_a_part_may_be_fastened_to_its_own_sub_assemblys_origin(kit):
-    """So the sub-assembly's frame is that part's, though its parts move against each other."""
-    motor = kit.document.assembly("Motor")
-    case, horn = kit.place("Case", motor), kit.place("Horn", motor)
-    motor.ground(case)
-    motor.fasten("Ground", (case, np.eye(4)), (ORIGIN, np.eye(4)), closing=True)
-    motor.revolute("Spin", (horn, TOP), (case, SIDE), value=0.3, limits=(-1, 1))
-    base, servo = kit.place("Base", fixed=True), kit.root.add(motor)
-    kit.root.revolute("Joint", (servo, TOP), (base, SIDE), value=0.4, limits=(-1, 1))
-    robot = robot_of(kit.document)
-    joints = [(joint.name, joint.parent, joint.child) for joint in robot.joints]
-    assert joints == [("joint", "base", "case"), ("spin", "case", "horn")]
-    assert not codes(robot)
 
 
 def test_adding_an_instance_renames_no_link(kit):

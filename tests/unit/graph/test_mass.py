@@ -13,18 +13,15 @@ from linkwright.stages.formats.meshes.body_arrays import Body
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.mass.mass_estimate import shape_of
 from linkwright.stages.graph.onshape.mass.part_mass import weighed
-from linkwright.stages.graph.passes.link_mass import check_links, with_given_masses
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import ZERO
 from linkwright.stages.robot.errors import AssemblyError, ConfigError
-from linkwright.stages.robot.model.robot import Inertial, frozen
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
 from tests.support.building import bundle_of, plan_of, robot_of
 from tests.support.checked import failures
 from tests.support.kit import Kit
 from tests.support.reported import codes, notes, only, reports
-from tests.support.robots import joint, pose, robot_with
+from tests.support.robots import pose
 from tests.support.urdfs import urdf_robot
 from tests.unit.graph.urdf.test_reader import inertial, robot_text
 from tests.unit.graph.urdf.test_reader import joint as joint_text
@@ -267,89 +264,8 @@ def test_mass_properties_that_cannot_be_are_refused(entry, message):
     assert message in str(caught.value)
 
 
-def with_masses(robot, **links):
-    log = Diagnostics()
-    return with_given_masses(robot, plan_of(mass={"links": links}).mass.links, log), log
-
-
-def arm(**more):
-    return robot_with([joint("revolute", "base", "arm", [0.2])], **more)
-
-
-def test_a_links_mass_scales_the_sum_of_its_parts():
-    robot = arm()
-    before = robot.link("arm").inertial
-    made, log = with_masses(robot, **{"a*": {"mass": 2 * before.mass}})
-    link = made.link("arm")
-    assert reports(log) == []
-    assert link.inertial is link.given
-    np.testing.assert_array_equal(link.inertial.com, before.com)
-    np.testing.assert_allclose(link.inertial.inertia, 2 * before.inertia, rtol=1e-15)
-    assert made.link("base") is robot.link("base")
-
-
-def test_a_links_com_and_inertia_are_taken_as_given():
-    robot = arm()
-    made, _ = with_masses(robot, arm={"com": [1, 2, 3]}, **{"*m": {"inertia": [1, 1, 1.5]}})
-    inertial = made.link("arm").inertial
-    assert (inertial.mass, *inertial.com) == (robot.link("arm").inertial.mass, 1, 2, 3)
-    np.testing.assert_array_equal(inertial.inertia, np.diag([1, 1, 1.5]))
-    _, log = with_masses(arm(inertials={"arm": ZERO}), arm={"mass": 1})
-    assert (only(log).code, only(log).where) == ("E-MASS", "arm")
-    assert "com and inertia must be given" in only(log).message
-    made, log = with_masses(
-        arm(inertials={"arm": ZERO}), arm={"mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}
-    )
-    assert reports(log) == checked_links(made) == []
-
-
 def test_a_glob_without_a_match_lists_what_there_is(kit):
     assert only(weights(kit, parts={"Nut": {"mass": 1}})[1]).hint == "parts are: Base"
-    problem = only(with_masses(arm(), leg={"mass": 1})[1])
-    assert (problem.code, problem.hint) == ("E-GLOB", "links are: arm, base")
-
-
-@pytest.mark.parametrize(
-    ("massless", "fixed", "lacking"),
-    [
-        ({"base"}, True, []), ({"base"}, False, ["base"]), ({"arm"}, True, []),
-        ({"arm", "tip"}, True, ["arm"]), ({"tip"}, True, []), ({"arm", "tip"}, False, ["arm"]),
-    ],
-)  # fmt: skip
-def test_only_what_moves_as_a_whole_needs_mass(massless, fixed, lacking):
-    joints = [joint("revolute", "base", "arm"), joint("fixed", "arm", "tip")]
-    robot = robot_with(joints, fixed=fixed, inertials=dict.fromkeys(massless, ZERO))
-    assert checked_links(robot) == [("E-MASS", name) for name in lacking]
-
-
-NEEDLE = np.diag([1e-3, 1e-6, 1e-6])
-
-
-def checked_links(robot):
-    log = Diagnostics()
-    check_links(robot, log)
-    return reports(log)
-
-
-def test_an_inertia_that_no_solid_can_have_names_the_link():
-    assert checked_links(arm(inertials={"arm": Inertial(1.0, frozen([0, 0, 0]), frozen(NEEDLE))})) == [
-        ("E-INERTIA", "arm")
-    ]
-
-
-def test_an_impossible_part_is_reported_once_for_its_kind():
-    robot = arm()
-    link = robot.link("arm")
-    bad = Inertial(1e-6, frozen([0, 0, 0]), frozen(1e-6 * NEEDLE))
-    rest = tuple(
-        replace(
-            link.parts[0], name=f"wire <{n}>", inertial=bad, link_from_part=pose(np.random.default_rng(n))
-        )
-        for n in (1, 2)
-    )
-    robot = replace(robot, links=(robot.links[0], replace(link, parts=(*link.parts, *rest))))
-    assert checked_links(robot) == [("W-INERTIA", "wire <1>")]
-    assert checked_links(with_masses(robot, arm={"mass": 1})[0]) == []
 
 
 def test_an_estimate_is_in_the_parts_own_frame():

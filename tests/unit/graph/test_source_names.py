@@ -14,6 +14,7 @@ from linkwright.stages.mesh.files.names import file_names
 from linkwright.stages.robot.text.globs import yaml_key
 from tests.support.building import plan_of, write
 from tests.support.checked import failures
+from tests.support.exports import messages_of
 from tests.support.mjcfs import body, model
 from tests.support.mjcfs import robot_of as mjcf_robot
 from tests.support.mjcfs import written as mjcf_file
@@ -83,7 +84,7 @@ def test_a_name_that_cannot_stay_is_mapped_and_reported(tmp_path):
     assert names["mjcf body"] == {"Base", "world_link", "tip_1_2", "tip_1"}
     assert names["urdf joint"] == {"world", "tip_1_2", "tip_1"}
     unseen = "'tip\\n1' was renamed to 'tip_1_2': it holds invisible characters"
-    assert sorted(note.message for note in robot.diagnostics if note.code == "W-NAME") == [
+    assert sorted(messages_of(robot, "W-NAME")) == [
         *(f"the {kind} {unseen}" for kind in ("joint", "link")),
         "the link 'world' was renamed to 'world_link': it is reserved",
     ]
@@ -161,7 +162,7 @@ def test_things_of_an_mjcf_keep_their_names_by_kind(tmp_path):
         "mjcf equality": {"Elbow", "turn"},
     }
     assert reports(robot, "W-NAME") == []
-    diagnostics = [note.message for note in write(robot, folder).diagnostics if note.code == "I-URDF-NAME"]
+    diagnostics = messages_of(write(robot, folder), "I-URDF-NAME")
     pairs = [["Elbow", "Elbow_frame"], ["left/hand", "left/hand_frame"]]
     assert [re.findall("'(.*?)'", message) for message in diagnostics] == pairs
     table = table_of(folder)

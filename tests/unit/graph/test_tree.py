@@ -1,6 +1,5 @@
 """Root, tree and cut, on mechanisms made by hand."""
 
-import random
 import re
 from dataclasses import replace
 
@@ -153,21 +152,6 @@ def test_the_user_says_where_loops_are_cut():
     assert cut(CHAIN, log, cut=("ab", "m7")) == set()
     assert [code for code, _ in reports(log)] == ["E-GLOB", "W-LOOP-CUT"]
     assert log.problems[0].where == "loops.cut"
-
-
-def test_neither_order_nor_root_decides_what_is_cut():
-    drawn = ring("REVOLUTE", "CYLINDRICAL", "REVOLUTE", "BALL", "REVOLUTE")
-    connections = [*drawn.connections, mate("x", 0, 2), mate("y", 1, 3, "SLIDER"), mate("z", 4, 1)]
-    expected = cut(replace(drawn, connections=tuple(connections)))
-    for seed in range(10):
-        random.Random(seed).shuffle(connections)
-        tree = tree_of(replace(drawn, connections=tuple(connections)), select=f"b{seed % 5}")
-        assert {connection.name for connection in tree.cut} == expected
-        assert set(tree.order) == set(range(5))
-        seen = {tree.root}
-        for edge in tree.edges:
-            assert edge.parent in seen
-            seen.add(edge.child)
 
 
 TORN = mechanism(

@@ -100,7 +100,7 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
         ({"label": "a", "Label": "b"}, ("the parameter is given twice, by name and by id", "")),
     ],
 )
-def test_what_the_document_does_not_take_is_reported_with_what_it_takes(wanted, words):
+def test_values_that_a_parameter_cannot_have_are_reported(wanted, words):
     with pytest.raises(SourceError) as caught:
         encode("default", wanted, parameters())
     (problem,) = caught.value.problems
@@ -109,7 +109,7 @@ def test_what_the_document_does_not_take_is_reported_with_what_it_takes(wanted, 
     assert problem.where.startswith("source.configuration.")
 
 
-def test_all_mistakes_are_reported_at_once_before_the_definition_is_paid_for():
+def test_all_mistakes_are_reported_before_the_definition():
     with OnshapeServer(configured_stand()) as server:
         keys = onshape(
             server.document_url(), configuration={"Gripper": "Wide", "Leg length": 12, "nothing": 1}
@@ -250,7 +250,7 @@ def test_a_build_says_in_its_report_which_configuration_it_is_of(tmp_path):
 
 
 @pytest.mark.parametrize("value", [None, [1], {"a": 1}, float("nan")])
-def test_values_that_no_parameter_has_are_refused_before_anything_runs(value):
+def test_values_of_no_parameter_are_refused_by_the_plan(value):
     source = {"kind": "onshape", "url": ADDRESS, "configuration": {"a": value}}
     with pytest.raises(ConfigError) as caught:
         Plan.parse({"name": "x", "source": source})

@@ -90,7 +90,7 @@ def assert_resumes(fetching, right, *before):
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("fault", {**PASSING, **SLOW})
-def test_what_passes_ends_with_the_right_bundle(fetching, right, fault, place):
+def test_a_passing_fault_ends_with_the_right_bundle(fetching, right, fault, place):
     bundle, met = fetching.run({PLACES[place]: {**PASSING, **SLOW}[fault]})
     assert bundle == right
     assert_resumes(fetching, right, met)
@@ -98,7 +98,7 @@ def test_what_passes_ends_with_the_right_bundle(fetching, right, fault, place):
 
 
 @pytest.mark.parametrize(("fault", "place"), FINAL_AT)
-def test_what_does_not_pass_is_reported_and_what_arrived_is_kept(fetching, right, fault, place):
+def test_a_final_fault_is_reported_and_replies_are_kept(fetching, right, fault, place):
     error, met = fetching.run({PLACES[place]: FINAL[fault]})
     assert isinstance(error, TOLD[fault])
     assert error.where == fetching.server.url.removeprefix("http://")
@@ -109,7 +109,7 @@ def test_what_does_not_pass_is_reported_and_what_arrived_is_kept(fetching, right
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("fault", {**PASSING, **SLOW})
-def test_what_never_passes_is_reported_after_a_few_attempts(fetching, right, fault, place):
+def test_a_lasting_fault_is_reported_after_a_few_attempts(fetching, right, fault, place):
     error, met = fetching.run({PLACES[place]: {**PASSING, **SLOW}[fault]}, stubborn=True)
     assert type(error) is TOLD.get(fault, ProtocolError)
     assert_resumes(fetching, right, met)

@@ -105,7 +105,7 @@ def test_the_title_of_an_assembly_costs_no_call(server, kept):
     assert build(server, kept).title == "Wardrobe"
 
 
-def test_an_unchanged_workspace_costs_the_question_whether_it_changed(server, kept, built):
+def test_an_unchanged_workspace_costs_one_call(server, kept, built):
     assert (built.calls, built.saved) == (COLD, 0)
     again = build(server, kept, max_calls=1)
     assert (again.calls, again.saved) == (1, COLD)
@@ -148,7 +148,7 @@ def test_two_edits_between_builds_are_one(server, kept, built):
     assert same_as_cold(server, made.bundle)
 
 
-def test_with_one_studio_asking_again_costs_less_than_asking_what_changed(kept):
+def test_a_single_studio_is_asked_for_without_its_tabs(kept):
     document = Document("One")
     part = document.studio("S").part("P", solids.box(0.1, 0.1, 0.1), density=1000)
     document.assembly("One").add(part)
@@ -160,7 +160,7 @@ def test_with_one_studio_asking_again_costs_less_than_asking_what_changed(kept):
 
 
 class TestVerify:
-    def test_a_studio_that_changed_unseen_is_found_by_the_mass_of_the_assembly(self, server, kept, built):
+    def test_an_unseen_change_is_found_by_the_assemblys_mass(self, server, kept, built):
         edit_unseen(server)
         lines = []
         made = build(server, kept, lines)
@@ -193,7 +193,7 @@ class TestVerify:
             assert f"{server.document.truth.total_mass():.6g}" in diagnostic.message
             assert server.document.root.element in diagnostic.where
 
-    def test_a_difference_that_lasts_is_asked_for_once_and_then_only_reported(self, server, kept, built):
+    def test_a_lasting_difference_is_asked_for_once(self, server, kept, built):
         def overridden(method, path, number):
             total = server.document.truth.total_mass() + 1
             return at_path(Fault(200, b'{"mass": [%r]}' % total), *MASS)(method, path, number)
@@ -237,7 +237,7 @@ class TestVerify:
         assert (made.calls, made.diagnostics) == (1 + 1 + 2 * 3, ())
         assert same_as_cold(server, made.bundle)
 
-    def test_ending_between_the_replies_and_the_mass_files_nothing_as_checked(self, server, kept, built):
+    def test_an_end_before_the_mass_files_nothing_as_checked(self, server, kept, built):
         edit_unseen(server)
         server.fault = at_path(Fault(403), *MASS)
         build_fails(server, kept)
@@ -249,7 +249,7 @@ class TestVerify:
         assert same_as_cold(server, made.bundle)
 
     @pytest.mark.parametrize("broken", range(7))
-    def test_ending_while_stale_studios_are_asked_for_mixes_no_states(self, server, kept, built, broken):
+    def test_an_end_amid_stale_studios_mixes_no_states(self, server, kept, built, broken):
         edit_unseen(server)
         server.fault = at_call(Fault(403), 6 + broken)
         build_fails(server, kept)
@@ -341,13 +341,13 @@ def test_what_a_failed_fetch_spent_is_reported(server, kept):
     assert spent.remaining["assembly definition"] < 1000
 
 
-def test_the_plan_is_reported_before_the_first_call_beyond_the_definition(server, kept):
+def test_the_plan_is_reported_behind_the_definition(server, kept):
     lines = []
     build(server, kept, lines)
     assert lines == ["asking for the assembly definition", "5 part studios: 10 calls, 0 kept"]
 
 
-def test_an_element_that_does_not_tell_its_microversion_counts_as_changed(server, kept, built):
+def test_a_tab_without_a_microversion_counts_as_changed(server, kept, built):
     server.edit(server.document.edited("Cupboard"))
     tabs = server.replies._elements
     server.replies._elements = lambda *asked: [{**tab, "microversionId": None} for tab in tabs(*asked)]
@@ -377,7 +377,7 @@ def test_tabs_without_the_assembly_are_asked_for_once_more(server, kept, built, 
     assert same_as_cold(server, build(server, kept).bundle)
 
 
-def test_a_used_up_quota_leaves_the_last_complete_state_and_says_so(server, kept, built):
+def test_a_used_up_quota_leaves_the_last_complete_state(server, kept, built):
     edit(server, "Steel")
     server.fault = at_call(Fault(402), 2)
     for stale in (False, True):

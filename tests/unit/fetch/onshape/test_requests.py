@@ -42,7 +42,7 @@ def test_a_facet_width_is_sent_only_where_one_is_set():
     assert "maxFacetWidth" not in requests.tessellated_faces(OWN, "doc", QUALITY)
 
 
-def test_a_recording_is_found_whatever_its_quality_or_way_of_access():
+def test_a_recording_is_found_whatever_its_quality():
     asked = requests.subject(requests.recorded_faces(LINKED))
     assert asked == requests.subject(requests.tessellated_faces(LINKED, "doc", QUALITY))
     other = StudioKey("other", "v/version", "elem", "default")
@@ -58,7 +58,7 @@ def test_a_recording_is_found_whatever_its_quality_or_way_of_access():
     assert requests.subject(request) != requests.subject(grouped)
 
 
-def test_the_mass_of_an_assembly_is_no_definition_and_no_part_studio():
+def test_the_mass_of_an_assembly_is_a_kind_of_its_own():
     request = requests.assembly_mass_properties("doc", "m/micro", "elem", "a=b")
     assert request == "/assemblies/d/doc/m/micro/e/elem/massproperties?configuration=a%3Db"
     assert requests.is_assembly_mass(request)

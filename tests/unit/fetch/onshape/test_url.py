@@ -14,7 +14,7 @@ D, W, E = "5f1a0c2b9d8e7f6a5b4c3d2e", "0a1b2c3d4e5f60718293a4b5", "a1b2c3d4e5f60
 PLAIN = f"https://cad.onshape.com/documents/{D}/w/{W}/e/{E}"
 
 
-def test_a_browser_address_is_read_without_what_concerns_the_browser():
+def test_a_browsers_address_is_read_without_its_view():
     url = parse(f" {PLAIN}?renderMode=0&uiState=66f0c4d1e2#top ")
     assert url == AssemblyUrl("https://cad.onshape.com", D, f"w/{W}", E, "default")
     assert not url.pinned

@@ -31,16 +31,11 @@ LATER = {"Retry-After": "3600"}
 
 @pytest.fixture
 def server():
+    """At the test's end the document's tables are as they were, unless it sets `leaves`."""
     with OnshapeServer(driven_stand()) as server:
+        before, server.leaves = tables(server), False
         yield server
-
-
-@pytest.fixture
-def restored(server):
-    """At the test's end the document's tables are as they were."""
-    before = tables(server)
-    yield
-    assert tables(server) == before
+        assert server.leaves or tables(server) == before
 
 
 def keys(server, variables=TALL, **more):
@@ -79,9 +74,12 @@ def at_post(fault):
     return lambda method, target, number: fault if method == "POST" else None
 
 
-@pytest.mark.usefixtures("restored")
 def test_a_variable_changes_what_is_built_and_is_put_back(server, kept):
+    sent, post = [], server.replies.post
+    server.replies.post = lambda path, body: sent.append(body) or post(path, body)
     made = fetch(server, kept)
+    # The table is written whole.
+    assert [word in sent[0] for word in (b'"Spare"', b'"400 mm"', b'"value"')] == [True, True, False]
     assert leg(made) == 0.36
     assert len(posts(server)) == 2
     # Probe, tabs, two tables; write, probe, write back, probe; then a cold build of a microversion.
@@ -97,13 +95,6 @@ def test_the_same_values_again_cost_one_call_and_no_write(server, kept):
     assert (again.calls, posts(server), again.bundle) == (1, [], made.bundle)
     assert leg(fetch(server, kept, {"LegLength": 0.3})) == 0.27
     assert len(posts(server)) == 2
-
-
-def test_a_table_is_written_whole(server, kept):
-    sent, post = [], server.replies.post
-    server.replies.post = lambda path, body: sent.append(body) or post(path, body)
-    fetch(server, kept)
-    assert [word in sent[0] for word in (b'"Spare"', b'"400 mm"', b'"value"')] == [True, True, False]
 
 
 def test_values_that_are_there_already_need_no_write(server, kept):
@@ -124,6 +115,7 @@ def test_variables_that_the_document_lacks_are_reported(server, kept):
 
 
 def test_a_studio_with_a_configured_variable_is_left_alone(server, kept):
+    server.leaves = True
     server.document.variable_studios[0].table["Spare"] = ("NUMBER", "")
     fails(server, kept, match="#Spare")
     assert posts(server) == []
@@ -135,7 +127,6 @@ def after_the_write(status):
     return lambda method, target, number: fault(method, target, number) if number > 4 else None
 
 
-@pytest.mark.usefixtures("restored")
 @pytest.mark.parametrize(
     ("fault", "kind"),
     [
@@ -152,7 +143,6 @@ def test_a_failure_after_the_write_leaves_the_document_as_it_was(server, kept, f
     assert len(posts(server)) == 2
 
 
-@pytest.mark.usefixtures("restored")
 def test_ctrl_c_after_the_write_leaves_the_document_as_it_was(server, kept):
     main = threading.main_thread().ident
 
@@ -167,7 +157,6 @@ def test_ctrl_c_after_the_write_leaves_the_document_as_it_was(server, kept):
     assert len(posts(server)) == 2
 
 
-@pytest.mark.usefixtures("restored")
 @pytest.mark.parametrize(
     ("status", "kind"), [(403, AuthError), (404, NotFound), (402, errors.QuotaExhausted)]
 )
@@ -181,15 +170,13 @@ def test_a_refused_write_leaves_nothing_to_put_back(server, kept, status, kind):
     assert not [line for line in lines if "putting back" in line]
 
 
-@pytest.mark.usefixtures("restored")
-def test_of_two_studios_only_the_one_that_was_written_is_put_back(server, kept):
+def test_only_the_studio_that_was_written_is_put_back(server, kept):
     server.fault = at_call(Fault(403, b"{}"), 5)
     fails(server, kept, BOTH, AuthError)
     first, _, third = posts(server)
     assert first == third
 
 
-@pytest.mark.usefixtures("restored")
 @pytest.mark.parametrize("fault", [Fault(503, b"{}"), Fault(silent=True), Fault(body=None, cut=0, claimed=5)])
 def test_a_put_back_that_fails_in_passing_is_done_again(server, kept, fault):
     server.fault = at_call(fault, 6)
@@ -197,7 +184,6 @@ def test_a_put_back_that_fails_in_passing_is_done_again(server, kept, fault):
     assert len(posts(server)) == 3
 
 
-@pytest.mark.usefixtures("restored")
 def test_each_studio_is_put_back_whatever_becomes_of_the_others(server, kept):
     before, stopped = tables(server), []
 
@@ -236,6 +222,7 @@ def abandoned(server, kept):
 
 
 def test_what_cannot_be_looked_at_is_not_written(server, kept):
+    server.leaves = True
     abandoned(server, kept)
     server.fault = lambda method, target, at: Fault(429, b"{}", LATER)
     error = fails(server, kept, {}, match="could not be read, so it was not changed")
@@ -244,7 +231,6 @@ def test_what_cannot_be_looked_at_is_not_written(server, kept):
     assert posts(server) == []
 
 
-@pytest.mark.usefixtures("restored")
 @pytest.mark.parametrize(("variables", "mass"), [({}, 0.18), (TALL, 0.36), ({"LegLength": "300 mm"}, 0.27)])
 def test_what_a_build_left_is_put_back_by_the_next(server, kept, variables, mass):
     abandoned(server, kept)
@@ -255,6 +241,7 @@ def test_what_a_build_left_is_put_back_by_the_next(server, kept, variables, mass
 
 
 def test_what_was_edited_since_is_left_as_it_is(server, kept):
+    server.leaves = True
     abandoned(server, kept)
     studio = server.document.variable_studios[0]
     edited = {**studio.table, "LegLength": ("LENGTH", "250 mm")}
@@ -273,7 +260,6 @@ class Shared(Kept):
         return threading.RLock()
 
 
-@pytest.mark.usefixtures("restored")
 def test_two_builds_with_other_values_do_not_disturb_each_other(server):
     legs, shared = {}, Shared()
 
@@ -294,7 +280,7 @@ def test_what_may_not_be_spent_is_refused_before_the_write(server, kept):
     assert posts(server) == []
 
 
-def test_what_the_build_needs_afterwards_is_counted_before_the_write(server, kept):
+def test_later_calls_are_counted_before_the_write(server, kept):
     """Known since the last build: a definition and two calls for each of three part studios."""
     fetch(server, kept, {})
     server.reset()
@@ -335,9 +321,8 @@ def test_a_plain_build_waits_until_the_variables_are_put_back(server):
     assert legs == [0.18]
 
 
-@pytest.mark.usefixtures("restored")
 @pytest.mark.parametrize("variables", [{}, {"LegLength": "300 mm"}])
-def test_what_is_left_while_a_build_waits_for_its_turn_is_put_back_first(server, variables):
+def test_variables_left_before_a_turn_are_put_back_first(server, variables):
     class Unseen(Kept):
         """What another build left is there only at the second look."""
 
@@ -380,7 +365,7 @@ def onshape_plan(server, **more):
     return Plan.parse({"name": "stand", "source": source, **more})
 
 
-def test_a_sweep_must_not_write_nor_a_build_without_a_lasting_cache(server, tmp_path):
+def test_neither_sweeps_nor_cacheless_builds_may_write(server, tmp_path):
     problems = {problem.where: problem.message for problem in sweep_problems(onshape_plan(server))}
     assert "a sweep must not change the document" in problems["source.variables"]
     plan = onshape_plan(server, cache={"mode": "bypass"}, output=str(tmp_path / "out"))
@@ -389,18 +374,7 @@ def test_a_sweep_must_not_write_nor_a_build_without_a_lasting_cache(server, tmp_
     assert server.calls == []
 
 
-@pytest.mark.usefixtures("restored")
-def test_a_build_of_its_own_cache_sets_and_puts_back(server, tmp_path):
-    more = {"cache": {"dir": str(tmp_path / "cache")}, "output": str(tmp_path / "out"), "until": "graph"}
-    report = build(onshape_plan(server, **more), environ=server.environ)
-    assert report.figures["mass"] == pytest.approx(0.8 + 0.36 + 0.004)
-    server.reset()
-    build(onshape_plan(server, **more), environ=server.environ)
-    assert server.count == 1
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("restored")
 def test_what_a_killed_process_left_is_put_back_by_the_next(server, tmp_path):
     command = [
         sys.executable, "-m", "linkwright", "source=onshape", f"source.url='{server.document_url()}'",

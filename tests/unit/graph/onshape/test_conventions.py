@@ -184,7 +184,7 @@ def test_connectors_count_by_their_prefix(kit):
     assert connectors(read(kit)[0]) == {"eye", "link_upper", "link_base"}
 
 
-def test_links_are_called_after_instances_and_counted_along_joints(kit):
+def test_links_are_named_after_instances_along_joints(kit):
     base = kit.place("Base")
     source = kit.bar("Leg")
     first, second, three = (kit.root.add(source, name=f"Leg <{number}>") for number in (1, 2, 3))
@@ -206,7 +206,7 @@ def test_a_joint_keeps_its_name_where_a_link_has_the_same(kit):
     assert connectors(read(kit)[0]) == {"link_base", "link_arm_link"}
 
 
-def test_the_first_instance_is_the_root_and_only_its_fixing_counts(kit):
+def test_the_first_instance_is_the_root(kit):
     kit.place("Ghost", suppressed=True)
     _, arm = armed(kit, fixed="Arm")
     assembly, keys, log = read(kit)

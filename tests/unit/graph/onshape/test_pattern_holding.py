@@ -131,7 +131,7 @@ def test_mates_of_a_seed_inside_go_before_those_from_above(kit, inside, reported
 
 
 @pytest.mark.parametrize("how", ["mate", "group", "through another seed"])
-def test_a_fastened_seed_that_carries_a_joint_leaves_a_loop_moving(kit, how):
+def test_a_fastened_seed_with_a_joint_leaves_loops_moving(kit, how):
     """A four-bar whose rocker turns on a bracket that is fastened to the base: the pattern repeats the
     bracket, not the rocker's hinge, which would freeze the four-bar."""
     base, bracket, crank, rocker, coupler = kit.based("Bracket", "Crank", "Rocker", "Coupler")

@@ -1,19 +1,21 @@
-"""Links and frames that CAD does not have."""
+"""Links and frames that CAD does not have, and the masses that links are given."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from linkwright.stages.graph.passes.added_links import with_added_frames, with_added_links
-from linkwright.stages.graph.passes.link_mass import check_links
+from linkwright.stages.graph.passes.link_mass import check_links, with_given_masses
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import primitive_inertial
+from linkwright.stages.robot.dynamics.inertia import ZERO, primitive_inertial
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
-from linkwright.stages.robot.model.robot import Frame, frozen
+from linkwright.stages.robot.model.robot import Frame, Inertial, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.building import plan_of
+from tests.support.reported import only
 from tests.support.reported import reports as problems
 from tests.support.robots import at, joint, pose, robot_with
 
@@ -41,7 +43,7 @@ PLACE = {"xyz": [0.1, 0.2, 0.3], "rpy": [0.3, -0.2, 1.1]}
 OFFSET = from_parts(rotation_from_rpy((0.3, -0.2, 1.1)), np.array([0.1, 0.2, 0.3]))
 
 
-def test_a_payload_hangs_on_its_parent_and_weighs_as_its_geometry():
+def test_a_payload_hangs_on_its_parent_and_weighs():
     sphere = {"sphere": {"radius": 0.03}}
     robot, log = added(arm(), payload={"parent": "arm", **PLACE, "mass": 0.2, "geometry": sphere})
     link, hung = robot.links[-1], robot.joints[-1]
@@ -75,7 +77,7 @@ def test_every_geometry_is_a_shape_and_an_inertia(kind, keys, size):
     np.testing.assert_array_equal(link.inertial.inertia, np.eye(3))
 
 
-def test_a_link_may_hang_on_a_frame_or_an_added_link_in_any_order():
+def test_a_link_may_hang_on_a_frame_or_an_added_link():
     first, second = {"parent": "spot", **PLACE}, {"parent": "zwei", "xyz": [0, 0, 1]}
     robot, log = added(arm(), eins=second, zwei=first)
     other, _ = added(arm(), zwei=first, eins=second)
@@ -222,3 +224,87 @@ def test_an_added_frame_is_where_it_is_said_to_be():
 )
 def test_a_frame_that_cannot_be_is_reported(frames, problem):
     assert problems(framed(arm(), **frames)[1]) == [problem]
+
+
+def with_masses(robot, **links):
+    log = Diagnostics()
+    return with_given_masses(robot, plan_of(mass={"links": links}).mass.links, log), log
+
+
+def hinged(**more):
+    return robot_with([joint("revolute", "base", "arm", [0.2])], **more)
+
+
+def test_a_links_mass_scales_the_sum_of_its_parts():
+    robot = hinged()
+    before = robot.link("arm").inertial
+    made, log = with_masses(robot, **{"a*": {"mass": 2 * before.mass}})
+    link = made.link("arm")
+    assert problems(log) == []
+    assert link.inertial is link.given
+    np.testing.assert_array_equal(link.inertial.com, before.com)
+    np.testing.assert_allclose(link.inertial.inertia, 2 * before.inertia, rtol=1e-15)
+    assert made.link("base") is robot.link("base")
+
+
+def test_a_links_com_and_inertia_are_taken_as_given():
+    robot = hinged()
+    made, _ = with_masses(robot, arm={"com": [1, 2, 3]}, **{"*m": {"inertia": [1, 1, 1.5]}})
+    inertial = made.link("arm").inertial
+    assert (inertial.mass, *inertial.com) == (robot.link("arm").inertial.mass, 1, 2, 3)
+    np.testing.assert_array_equal(inertial.inertia, np.diag([1, 1, 1.5]))
+    _, log = with_masses(hinged(inertials={"arm": ZERO}), arm={"mass": 1})
+    assert (only(log).code, only(log).where) == ("E-MASS", "arm")
+    assert "com and inertia must be given" in only(log).message
+    made, log = with_masses(
+        hinged(inertials={"arm": ZERO}), arm={"mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]}
+    )
+    assert problems(log) == checked_links(made) == []
+
+
+@pytest.mark.parametrize(
+    ("massless", "fixed", "lacking"),
+    [
+        ({"base"}, True, []), ({"base"}, False, ["base"]), ({"arm"}, True, []),
+        ({"arm", "tip"}, True, ["arm"]), ({"tip"}, True, []), ({"arm", "tip"}, False, ["arm"]),
+    ],
+)  # fmt: skip
+def test_only_what_moves_as_a_whole_needs_mass(massless, fixed, lacking):
+    joints = [joint("revolute", "base", "arm"), joint("fixed", "arm", "tip")]
+    robot = robot_with(joints, fixed=fixed, inertials=dict.fromkeys(massless, ZERO))
+    assert checked_links(robot) == [("E-MASS", name) for name in lacking]
+
+
+NEEDLE = np.diag([1e-3, 1e-6, 1e-6])
+
+
+def checked_links(robot):
+    log = Diagnostics()
+    check_links(robot, log)
+    return problems(log)
+
+
+def test_an_inertia_that_no_solid_can_have_names_the_link():
+    assert checked_links(hinged(inertials={"arm": Inertial(1.0, frozen([0, 0, 0]), frozen(NEEDLE))})) == [
+        ("E-INERTIA", "arm")
+    ]
+
+
+def test_an_impossible_part_is_reported_once_for_its_kind():
+    robot = hinged()
+    link = robot.link("arm")
+    bad = Inertial(1e-6, frozen([0, 0, 0]), frozen(1e-6 * NEEDLE))
+    rest = tuple(
+        replace(
+            link.parts[0], name=f"wire <{n}>", inertial=bad, link_from_part=pose(np.random.default_rng(n))
+        )
+        for n in (1, 2)
+    )
+    robot = replace(robot, links=(robot.links[0], replace(link, parts=(*link.parts, *rest))))
+    assert checked_links(robot) == [("W-INERTIA", "wire <1>")]
+    assert checked_links(with_masses(robot, arm={"mass": 1})[0]) == []
+
+
+def test_a_glob_of_masses_without_a_match_lists_the_links():
+    problem = only(with_masses(hinged(), leg={"mass": 1})[1])
+    assert (problem.code, problem.hint) == ("E-GLOB", "links are: arm, base")

@@ -204,7 +204,7 @@ def test_what_is_dropped_is_not_reported(kind, names):
     assert (rules(joined), codes(log)) == ([("r2", "r1", -1.0, 0.0)], [])
 
 
-def test_names_depend_neither_on_the_order_nor_on_what_is_dropped():
+def test_names_do_not_depend_on_order_or_dropped_relations():
     robot = at_zero("r1 r2 r3")
     specs = [spec("GEAR", "r1", "r2", title="Box/R1"), spec("GEAR", "r1", "r3", title="Lid/!")]
     for order in (specs, specs[::-1]):
@@ -247,7 +247,7 @@ def test_a_screw_far_out_has_turned_often():
     assert (saved_of(joined)["c1_turn"], codes(log)) == (pytest.approx(ANGLE), [])
 
 
-def test_a_motor_that_turns_a_screw_has_turned_as_the_slide_tells():
+def test_a_motor_of_a_screw_has_turned_as_the_slide_tells():
     motor = -ANGLE / 3 * 2
     robot = robot_of(c1=[0.023, math.remainder(ANGLE, math.tau)], r1=[math.remainder(motor, math.tau)])
     joined, log = related(robot, *gears("r1 c1 1.5"), spec("SCREW", "c1", length=0.005, title="B"))

@@ -90,13 +90,6 @@ def test_everything_that_is_no_tree_is_reported_at_once():
     ]
 
 
-def test_several_roots_are_what_the_user_says():
-    text = robot_text(*map(link, "abc"), joint("j", "a", "b"))
-    assert refused(text) == [("E-URDF-ROOTS", "r")]
-    robot = urdf_robot(text, plan_of(root={"disconnected": "weld"}))
-    assert [joint.type for joint in robot.joints] == ["revolute", "fixed"]
-
-
 def test_mimics_that_follow_nothing():
     drivers = {"own": "own", "none": "nothing", "rigid": "fix", "one": "two", "two": "one"}
     text = robot_text(
@@ -314,14 +307,6 @@ def test_a_root_without_mass_stays_and_weighs_nothing(name, pieces, tmp_path):
 def test_a_world_with_mass_is_a_link_as_any():
     heavy = urdf_robot(robot_text(link("world"), *ARM, HELD))
     assert (heavy.root.name, heavy.base.fixed) == ("world_link", False)
-
-
-def test_the_root_may_be_another_link():
-    text = robot_text(*map(link, "abc"), joint("j", "a", "b"), joint("k", "b", "c"))
-    robot = urdf_robot(text, plan_of(root={"select": "c"}))
-    joints = [(joint.parent, joint.child, joint.backwards) for joint in robot.joints]
-    assert joints == [("c", "b", True), ("b", "a", True)]
-    assert [dof.axis.tolist() for dof in robot.dofs] == [[0, 0, -1], [0, 0, -1]]
 
 
 def test_a_planar_joint_slides_across_its_axis(tmp_path):

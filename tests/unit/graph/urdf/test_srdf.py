@@ -11,6 +11,7 @@ from linkwright.stages.robot.model.semantics import (
 )
 from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import plan_of
+from tests.support.exports import messages_of
 from tests.support.reported import codes
 from tests.support.urdfs import urdf_robot
 from tests.unit.graph.urdf.test_reader import BODY, LIMIT, joint, link, robot_text
@@ -37,7 +38,7 @@ def read(srdf, **keys):
 
 
 def messages(robot):
-    return "\n".join(note.message for note in robot.diagnostics if note.code == "W-SRDF")
+    return "\n".join(messages_of(robot, "W-SRDF"))
 
 
 def state(name, group, **values):

@@ -101,7 +101,7 @@ def test_a_web_page_is_never_quoted_nor_taken_for_a_reply():
 
 
 @pytest.mark.parametrize("first", [reply(500), reply(502, b"<html>"), reply(499), hang_up])
-def test_what_fails_unbilled_is_asked_three_times(first):
+def test_a_call_that_fails_unbilled_is_made_three_times(first):
     lines = []
     with client_of(first, first, OK, progress=lines.append) as (client, _):
         assert client.get(MASS) == b"{}"
@@ -148,7 +148,7 @@ def test_a_closed_window_is_waited_for():
 
 
 @pytest.mark.parametrize("refused", [reply(402), reply(429, Retry_After="5000")])
-def test_after_the_end_of_the_quota_no_call_is_made_and_no_wait_goes_on(refused):
+def test_the_end_of_the_quota_ends_all_calls_and_waits(refused):
     with client_of(reply(429, Retry_After="100"), refused) as (client, asked):
         caught = []
 
@@ -173,7 +173,7 @@ def test_after_the_end_of_the_quota_no_call_is_made_and_no_wait_goes_on(refused)
 
 
 @pytest.mark.parametrize("begun", [False, True], ids=["no answer yet", "within the body"])
-def test_a_stop_ends_a_call_on_its_way_and_nothing_is_asked_again(begun):
+def test_a_stop_ends_a_call_on_its_way_for_good(begun):
     over, lines = threading.Event(), []
 
     def slow(handler):
@@ -202,7 +202,7 @@ def test_a_bound_on_calls_holds_for_what_was_not_planned(answer, limit):
     assert f"source.max_calls={limit + 1} or more; what was fetched is kept" in caught.value.hint
 
 
-def test_what_undoes_a_change_is_posted_whatever_the_bound_on_calls():
+def test_an_undo_is_posted_whatever_the_bound_on_calls():
     with client_of(OK, budget=Budget(0)) as (client, _):
         with pytest.raises(SourceError, match="max_calls is 0"):
             client.get(MASS)
@@ -218,14 +218,14 @@ def test_a_post_is_sent_again_only_if_it_cannot_have_been_done():
 
 
 @pytest.mark.parametrize("bad", [reply(500), reply(200, b"[", length=9), hang_up, reply(302, Location="/x")])
-def test_what_may_have_been_carried_out_is_not_posted_again(bad):
+def test_a_post_that_may_have_been_done_is_not_repeated(bad):
     with client_of(bad) as (client, asked), pytest.raises(SourceError):
         client.post(VARIABLES, b"[1]")
     assert len(asked) == 1
 
 
 @pytest.mark.parametrize("bad", [reply(500), reply(499), hang_up])
-def test_what_undoes_a_change_is_posted_again_within_bounds(bad):
+def test_an_undo_is_posted_again_within_bounds(bad):
     with client_of(bad, reply(200, b"[]"), bad) as (client, asked):
         assert client.post(VARIABLES, b"[1]", restoring=True) == b"[]"
         assert len(asked) == 2
@@ -235,7 +235,7 @@ def test_what_undoes_a_change_is_posted_again_within_bounds(bad):
 
 
 @pytest.mark.parametrize("status", mostly_slow([402, 429], keep=1))
-def test_what_undoes_a_change_is_posted_where_all_calls_were_stopped(status):
+def test_an_undo_is_posted_where_all_calls_were_stopped(status):
     times = []
 
     def post(handler):
@@ -252,7 +252,7 @@ def test_what_undoes_a_change_is_posted_where_all_calls_were_stopped(status):
     assert times[1] - times[0] >= 1
 
 
-def test_long_replies_show_how_much_has_arrived_and_short_ones_do_not():
+def test_long_replies_show_how_much_has_arrived():
     lines = []
     short, long = slowly([b"1" * 25] * 2, 0), slowly([b"1" * 1_500_000] * 2, 0.3)
     with client_of(short, long, transient=lines.append) as (client, _):

@@ -185,7 +185,7 @@ def test_a_setting_that_cannot_be_meant_is_refused_by_its_name(monkeypatch, name
     assert "hunter22" not in str(caught.value)
 
 
-def test_what_can_be_meant_is_let_through():
+def test_a_setting_that_can_be_meant_is_let_through():
     for environ in (
         {},
         {"HTTPS_PROXY": "proxy:3128", "HTTP_PROXY": "http://proxy", "ALL_PROXY": "https://u:p@proxy:1"},
@@ -199,7 +199,7 @@ def test_what_can_be_meant_is_let_through():
     network_settings.require({"HTTPS_PROXY": "ftp://x"}, proxies=False)
 
 
-def test_exceptions_from_proxies_that_cannot_be_read_are_reported(monkeypatch):
+def test_a_no_proxy_that_cannot_be_read_is_reported(monkeypatch):
     monkeypatch.setenv("NO_PROXY", "[::1")
     with pytest.raises(ConfigError, match="the proxy settings cannot be read"):
         asked_of(WORLD)

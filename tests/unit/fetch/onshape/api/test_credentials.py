@@ -23,7 +23,7 @@ def test_the_environment_wins_over_dotenv_variable_by_variable(tmp_path):
     assert find({"ONSHAPE_ACCESS_KEY": " "}, tmp_path) == Credentials("file-a", "file-s")
 
 
-def test_what_is_missing_is_named(tmp_path):
+def test_a_missing_key_is_named(tmp_path):
     with pytest.raises(ConfigError, match="ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY"):
         find({}, tmp_path)
     with pytest.raises(ConfigError, match="ONSHAPE_SECRET_KEY not set"):

@@ -27,7 +27,7 @@ def test_a_request_belongs_to_an_endpoint():
         assert endpoint(request) == name
 
 
-def test_only_what_is_billed_is_counted_and_an_empty_quota_is_remembered(tmp_path):
+def test_billed_calls_count_and_an_empty_quota_is_kept(tmp_path):
     ledger = Ledger(tmp_path / "ledger", "0123456789abcdef", 2026)
     assert ledger.counted() == 0
     for status in (200, 204, 307, 404, 429, 500, 200):
@@ -68,7 +68,7 @@ def test_a_line_cut_short_or_an_unwritable_ledger_is_no_error(tmp_path):
 @pytest.mark.parametrize(
     ("shared", "mode"), [(0o755, 0o600), (0o700, 0o600), (0o775, 0o660), (0o2770, 0o660)]
 )
-def test_a_ledger_is_the_users_own_unless_the_group_shares_the_cache(tmp_path, shared, mode):
+def test_a_ledger_is_private_unless_a_group_has_the_cache(tmp_path, shared, mode):
     cache = tmp_path / "cache"
     cache.mkdir()
     cache.chmod(shared)

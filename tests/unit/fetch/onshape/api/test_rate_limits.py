@@ -21,7 +21,7 @@ def test_a_closed_window_holds_back_its_own_kind_until_it_opens():
     assert monotonic() - start >= 0.2
 
 
-def test_waits_at_the_same_time_count_once_and_their_sum_has_a_bound():
+def test_concurrent_waits_count_once_and_have_a_bound():
     windows = Windows(10, Event())
     assert all(windows.close(kind, 6) for kind in ("a", "b", "a"))
     assert windows.waited == pytest.approx(6, abs=0.1)

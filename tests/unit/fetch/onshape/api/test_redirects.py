@@ -53,7 +53,7 @@ def test_a_key_goes_nowhere_else(here, location):
     assert "user@" not in str(caught.value)
 
 
-def test_only_what_keeps_the_method_is_followed_for_what_is_posted():
+def test_a_post_follows_only_what_keeps_its_method():
     assert [s for s in range(300, 400) if redirects.followed("GET", s)] == [301, 302, 303, 307, 308]
     assert [s for s in range(300, 400) if redirects.followed("POST", s)] == [307, 308]
 
@@ -71,7 +71,7 @@ def document():
         {"ONSHAPE_ACCESS_TOKEN": TOKEN},
     ],
 )
-def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, environ, monkeypatch):
+def test_a_region_is_followed_with_its_key_and_remembered(document, environ, monkeypatch):
     """Only the first call for each of the two documents pays for the way; each stop is billed."""
     # Here both are this computer, and not Onshape's hosts.
     monkeypatch.setattr(redirects, "_safe", lambda before, after: True)

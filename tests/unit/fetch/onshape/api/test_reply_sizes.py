@@ -109,7 +109,7 @@ BODY = gzip.compress(b"{}" * 1000)
         ),
     ],
 )
-def test_a_reply_beyond_its_bounds_or_in_another_packing_is_refused(monkeypatch, fault, words):
+def test_a_reply_beyond_bounds_or_in_odd_packing_is_refused(monkeypatch, fault, words):
     if fault.get("endless"):
         monkeypatch.setattr(reply_sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
     with answering(**fault) as ask, pytest.raises(SourceError, match=words) as caught:
@@ -206,7 +206,7 @@ def test_a_compact_form_with_a_header_that_is_none_is_refused():
         codec.require_compact(codec.MAGIC + struct.pack("<I", 1 << 31))
 
 
-def test_the_error_about_a_reply_does_not_keep_what_it_was_parsed_to():
+def test_an_error_about_a_reply_does_not_keep_its_tree():
     """Errors of several replies are kept until the build ends: together they would fill the memory."""
     body, many = b'{"bodies":[' + b"[]," * 200_000 + b"[]]}", 200_000
     tracemalloc.start()

@@ -60,7 +60,7 @@ def corners(body, row):
 
 
 @pytest.mark.parametrize("up", ["z", "y"])
-def test_bodies_are_distinguished_by_their_figures_whichever_axis_is_up(up):
+def test_bodies_are_distinguished_whichever_axis_is_up(up):
     of = studio()
     for order in ([0, 1, 2, 3], [3, 1, 0, 2]):
         reply = gltf(of.parts, appearances=True, up=up, order=order)
@@ -100,7 +100,7 @@ def inlined(reply):
     return {**data, "buffers": [{"byteLength": len(buffer), "uri": uri}]}
 
 
-def test_json_with_its_buffers_in_it_and_transforms_of_nodes_are_read():
+def test_buffers_in_json_and_transforms_of_nodes_are_read():
     part = studio().parts[2]
     plain = gltf([part], appearances=False)
     data = inlined(plain)

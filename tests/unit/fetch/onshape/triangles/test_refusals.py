@@ -8,6 +8,7 @@ from linkwright.stages.fetch.source import SweepState
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.kept import Kept, fetched, onshape
+from tests.support.reported import codes
 from tests.support.traffic import at_path, rack
 
 PASSING = [Fault(402), Fault(401), Fault(silent=True), Fault(500), Fault(200, b'{"bodies": [')]
@@ -28,10 +29,6 @@ def build(server, kept, pin="m", **more):
     outcome = fetched(onshape(server.document_url(pin), **keys), kept, environ, lines, **more)
     asked = [target.partition("?")[0].rpartition("/")[2] for _, target, _ in server.calls[before:]]
     return outcome, [kind for kind in asked if kind in ("tessellatedfaces", "gltf")], lines
-
-
-def codes(outcome):
-    return [problem.code for problem in outcome.diagnostics]
 
 
 @pytest.mark.parametrize(("fault", "pin"), [(Fault(400), "m"), (Fault(404), "v"), (Fault(406), "w")])
@@ -78,7 +75,7 @@ def test_a_second_refusal_settles_it_until_a_refresh(server, kept, fault, pin):
     assert build(server, kept, pin)[0].bundle == fresh.bundle
 
 
-def test_offline_and_without_a_key_nothing_is_asked_and_nothing_is_settled(server, kept):
+def test_offline_or_without_a_key_nothing_is_settled(server, kept):
     server.fault = at_path(Fault(400), "/tessellatedfaces")
     first = build(server, kept)[0]
     server.fault = None
@@ -100,7 +97,7 @@ def test_a_budget_without_room_for_it_postpones_the_call(server, kept):
 
 
 @pytest.mark.parametrize("fault", PASSING, ids=["402", "401", "silent", "500", "cut"])
-def test_a_failure_that_is_no_refusal_neither_ends_the_build_nor_settles_it(server, kept, fault):
+def test_a_failure_that_is_no_refusal_settles_nothing(server, kept, fault):
     right = build(server, Kept())[0]
     server.fault = at_path(Fault(400), "/tessellatedfaces")
     first = build(server, kept)[0]
@@ -113,7 +110,7 @@ def test_a_failure_that_is_no_refusal_neither_ends_the_build_nor_settles_it(serv
     assert build(server, kept)[0].bundle == right.bundle
 
 
-def test_an_edit_elsewhere_keeps_the_count_of_an_unchanged_part_studio(kept):
+def test_an_edit_elsewhere_keeps_a_studios_count(kept):
     document = rack(studios=6)
     with OnshapeServer(document) as server:
         right = build(server, Kept(), "m")[0]
@@ -147,7 +144,7 @@ def test_the_jobs_of_a_sweep_count_as_one_build(server, kept):
 
 
 @pytest.mark.parametrize("again", [["some"], ["whole"], ["some", "whole"]])
-def test_where_some_parts_are_asked_for_both_ways_to_ask_are_tried_again(kept, again):
+def test_both_ways_to_ask_for_parts_are_tried_again(kept, again):
     document = rack(2, 20)
 
     def refuse(*ways):

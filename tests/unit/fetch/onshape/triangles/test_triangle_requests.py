@@ -24,7 +24,7 @@ def parts_in(request):
 @pytest.mark.parametrize(
     ("used", "unused", "some"), [(2, 9, True), (2, 8, False), (12, 13, True), (12, 12, False)]
 )
-def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, unused, some, kept):
+def test_used_parts_alone_are_asked_for_among_many(used, unused, some, kept):
     document = rack(used, unused)
     ids = sorted(part.id for part in document.studios[0].parts[:used])
     with OnshapeServer(document) as server:
@@ -41,7 +41,7 @@ def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, u
         assert (again.calls, again.bundle) == (1, outcome.bundle)
 
 
-def test_parts_that_are_not_listed_as_solids_are_not_asked_for_by_id():
+def test_parts_that_are_no_solids_are_not_asked_for_by_id():
     record = {"volume": [1.0, 1.0, 1.0]}
     mass = json.dumps({"bodies": {f"P{i}": record for i in range(40)}}).encode()
     assert selected(["P1", "P2"], mass) == ("P1", "P2")
@@ -54,7 +54,7 @@ def test_parts_that_are_not_listed_as_solids_are_not_asked_for_by_id():
     assert selected([f"P{i}" for i in range(201)], many) == ()  # a request line has its bounds
 
 
-def test_a_reply_for_all_parts_that_is_kept_serves_a_robot_that_needs_some():
+def test_a_kept_reply_for_all_parts_serves_for_some():
     document = rack(2, 20)
     kept, whole = Kept(), rack(2, 20)
     for part in whole.studios[0].parts[2:]:
@@ -146,7 +146,7 @@ def test_where_gltf_is_refused_too_the_first_refusal_is_reported(kept):
         (Fault(200, b'{"bodies": ['), ProtocolError),
     ],
 )
-def test_what_may_pass_or_concerns_all_calls_is_no_reason_for_gltf(fault, error):
+def test_a_failure_that_may_pass_is_no_reason_for_gltf(fault, error):
     """Else a bad moment of the network would decide what the robot looks like."""
     with OnshapeServer(rack(2, 0)) as server:
         server.fault = at_path(fault, "/tessellatedfaces")
