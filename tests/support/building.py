@@ -1,7 +1,6 @@
 """From a document of the local Onshape to a robot and its files, without touching a cache."""
 
 from functools import cache
-from typing import Any
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import export
@@ -23,7 +22,7 @@ def plan_of(**keys):
 
     Colliders are quickly made, and links do not touch each other, unless the keys say otherwise.
     """
-    tree: dict[str, Any] = {"name": "robot", "source": {"kind": "sample"}}
+    tree = {"name": "robot", "source": {"kind": "sample"}}
     for key, value in keys.items():
         *above, last = key.split("__")
         branch = tree

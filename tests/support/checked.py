@@ -1,11 +1,15 @@
 """The checks of a robot's files, of which a test says no more than it needs."""
 
+from dataclasses import replace
+
 import pytest
 
+from linkwright.stages.formats.described import described
 from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written
 from linkwright.stages.validate import validate
+from linkwright.stages.validate.srdf.read_back import check_file
 from tests.support.building import plan_of, write
 
 
@@ -17,6 +21,12 @@ def checked(folder, robot, keys, **forms):
     if "mjcf_form" not in forms:
         forms["mjcf_form"] = mjcf_written.mjcf_form(robot)
     return validate(folder, Written(robot, **forms), keys)
+
+
+def srdf_checks(folder):
+    """The checks of `robot.srdf` in a folder, against its robot.json alone."""
+    truth = described((folder / "robot.json").read_bytes())
+    return list(check_file(folder / "robot.srdf", replace(truth.written, srdf_form=None), quick=False))
 
 
 def failures(folder, robot):

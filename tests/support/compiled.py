@@ -7,10 +7,18 @@ import mujoco
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.written import Written
 from linkwright.stages.validate.compiled import CompiledModel
-from tests.support.robots import robot_with
+from tests.support.robots import joint, robot_with
+
+ONE_HINGE = robot_with([joint("revolute", "base", "arm")])
 
 
-def compiled_of(bodies, robot=None, *, more="", **forms):
+def compiled_of(text, robot=ONE_HINGE, geometry=None):
+    """What a check gets of this MJCF."""
+    model = mujoco.MjModel.from_xml_string(text)
+    return CompiledModel(Path("robot.xml"), model, Written(robot, geometry=geometry))
+
+
+def world_of(bodies, robot=None, *, more="", **forms):
     """The model of these bodies of the world, with `more` elements beside them, without any of a robot.
     `known`: as in `Written`."""
     text = f"<mujoco><worldbody>{bodies}</worldbody>{more}</mujoco>"

@@ -1,7 +1,5 @@
 """Robots of documents that are drawn by chance, with any link as root, fixed or free."""
 
-from typing import Any
-
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -12,7 +10,7 @@ PLACES = st.integers(0, 1000)
 """For the root, and for the seed of all else."""
 
 _BORED = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-SLOWLY: dict[str, Any] = {"suppress_health_check": _BORED}
+SLOWLY = {"suppress_health_check": _BORED}
 
 DYNAMICS = {"*": {"effort": 5, "velocity": 2, "damping": 0.25, "friction": 0.125}}
 

@@ -6,8 +6,6 @@ angular velocity of the child relative to the parent in the child's frame. The U
 turns `<name>_x`, `<name>_y`, `<name>_z`, R = Rx Ry Rz, away from whose singularity values must be.
 """
 
-from collections.abc import Mapping
-
 import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -15,7 +13,6 @@ from scipy.spatial.transform import Rotation
 from tests.support.pinocchio import pin
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
-Values = Mapping[str, float | tuple[float, ...]]
 
 
 class Pinocchio:

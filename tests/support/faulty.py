@@ -5,7 +5,6 @@ The robot is made from the bundle alone, so the right bundle is the right robot.
 
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 from linkwright.pipeline.caching.actions import Cache
 from linkwright.pipeline.caching.maintenance import verify
@@ -72,7 +71,7 @@ SLOW = {"slow": Fault(body=None, pause_s=1.0)}
 """What takes longer than `HURRIED` waits."""
 
 
-def desk() -> Document:
+def desk():
     """Three part studios, one of them in a linked document: seven calls."""
     document = Document("Desk")
     wood, steel = document.studio("Wood"), document.studio("Steel")
@@ -91,13 +90,13 @@ class Trouble:
     """A fault hook that takes down which calls it left alone. `faults`: by number of the call;
     `stubborn` puts the same one in place of each later call for the same."""
 
-    def __init__(self, faults: dict[int, Fault], *, stubborn: bool = False) -> None:
+    def __init__(self, faults, *, stubborn=False):
         self.faults, self.stubborn = faults, stubborn
-        self.sound: Counter[str] = Counter()
-        self.lost: Counter[str] = Counter()
-        self._held: dict[str, Fault] = {}
+        self.sound = Counter()
+        self.lost = Counter()
+        self._held = {}
 
-    def __call__(self, method: str, target: str, number: int) -> Fault | None:
+    def __call__(self, method, target, number):
         fault = self.faults.get(number) or self._held.get(target)
         if fault is None:
             self.sound[target] += 1
@@ -111,11 +110,11 @@ class Trouble:
 class Fetching:
     """Fetches of one document into one cache, as builds do it. `kind`: as `document_url`."""
 
-    def __init__(self, server: OnshapeServer, folder: Path, kind: str = "m") -> None:
+    def __init__(self, server, folder, kind="m"):
         self.server, self.folder = server, folder
         self.keys = onshape(server.document_url(kind), max_wait=1)
 
-    def run(self, faults: dict[int, Fault], *, stubborn: bool = False, check_ledger: bool = True):
+    def run(self, faults, *, stubborn=False, check_ledger=True):
         """The bundle, or the error, and the fault hook. Checks what holds of every run."""
         server, calls, billed = self.server, Calls(), self.server.count
         before = len(server.calls)
@@ -136,7 +135,7 @@ class Fetching:
         return outcome, trouble
 
 
-def reference(document: Document, kind: str = "m"):
+def reference(document, kind="m"):
     """The bundle of a fetch that meets no fault, and its replies."""
     with OnshapeServer(document) as server:
         keys = onshape(server.document_url(kind))

@@ -6,7 +6,6 @@ mended by the triangles that hold the nearest of them; its inside is where its w
 is above ½; distances to a piece are exact.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,8 +13,6 @@ import mujoco
 import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull, cKDTree
-
-Points = np.ndarray
 
 POINTS = 10_000
 """On a part, and on a collider."""
@@ -40,7 +37,7 @@ class Fidelity:
     bareness_max: float
 
     @property
-    def miss(self) -> float:
+    def miss(self):
         """At most 1 where the collider is as near as it should be: 95 % of it may stand out by the tolerance,
         and all of it by three times as much."""
         return max(self.protrusion_p95, self.protrusion_max / 3, self.bareness_max)
@@ -50,17 +47,17 @@ _CUBES, _NEAR = 12, 2.5
 """Triangles count together in cubes so small, from so many times as far as they reach."""
 
 
-def tolerance_of(part: trimesh.Trimesh) -> float:
+def tolerance_of(part):
     """The default [m]."""
     return max(0.001, 0.015 * float(np.linalg.norm(np.ptp(part.vertices, axis=0))))
 
 
 def fidelity(
-    parts: Sequence[trimesh.Trimesh],
-    pieces: Sequence["Piece"],
-    tolerances: Sequence[float] | None = None,
-    points: int = POINTS,
-) -> Fidelity:
+    parts,
+    pieces,
+    tolerances=None,
+    points=POINTS,
+):
     """The fidelity of the pieces of a collider to its part or parts, in one frame; the tolerances [m] of the
     parts default to the product's. `points`: how many on either surface are looked at."""
     tolerances = tolerances or [tolerance_of(part) for part in parts]
@@ -78,7 +75,7 @@ def fidelity(
     return Fidelity(float(np.quantile(standing, 0.95)), float(standing.max()), bare)
 
 
-def _standing(solids: Sequence["_Solid"], tolerances: Sequence[float], points: Points) -> Points:
+def _standing(solids, tolerances, points):
     """(n,): how far points are outside of the nearest part, in its tolerances."""
     standing = np.full(len(points), np.inf)
     for reach in (_REACH, np.inf):  # first what is near, then what is near nothing
@@ -92,7 +89,7 @@ def _standing(solids: Sequence["_Solid"], tolerances: Sequence[float], points: P
     return standing
 
 
-def _outer(pieces: Sequence["Piece"], crack: float, count: int) -> Points:
+def _outer(pieces, crack, count):
     """Points spread evenly over the outer surface of the pieces."""
     areas = np.array([piece.area for piece in pieces])
     kept = []
@@ -109,7 +106,7 @@ def _outer(pieces: Sequence["Piece"], crack: float, count: int) -> Points:
     return np.concatenate(kept)
 
 
-def _bareness(points: Points, pieces: Sequence["Piece"]) -> Points:
+def _bareness(points, pieces):
     """How far points are outside of all pieces [m]; where that is little, at least how far."""
     far = np.min([piece.planes(points) for piece in pieces], axis=0)
     some = np.flatnonzero(far > 0)
@@ -118,40 +115,27 @@ def _bareness(points: Points, pieces: Sequence["Piece"]) -> Points:
     return np.maximum(far, 0.0)
 
 
-class Piece:
-    """A convex collider."""
+class Hull:
+    """A convex collider: the hull of points (n, 3).
 
-    area: float
+    `planes`: (n,), the distance [m] outside of it, or less, at most 0 inside; `distance`: (n,), the distance
+    [m] outside of it, 0 inside; `samples`: points (n, 3) spread evenly over its surface, and the outward
+    normals.
+    """
 
-    def planes(self, points: Points) -> Points:
-        """(n,): the distance [m] outside of it, or less; at most 0 inside."""
-        raise NotImplementedError
-
-    def distance(self, points: Points) -> Points:
-        """(n,): the distance [m] outside of it, 0 inside."""
-        raise NotImplementedError
-
-    def samples(self, count: int, seed: int) -> tuple[Points, Points]:
-        """Points (n, 3) spread evenly over its surface, and the outward normals there."""
-        raise NotImplementedError
-
-
-class Hull(Piece):
-    """The convex hull of points (n, 3)."""
-
-    def __init__(self, points: Points) -> None:
+    def __init__(self, points):
         hull = ConvexHull(points)
         self.area = float(hull.area)
         self._normals, self._offsets = hull.equations[:, :3], hull.equations[:, 3]
         self._corners = hull.points[hull.simplices]
 
-    def planes(self, points: Points) -> Points:
+    def planes(self, points):
         heights = np.full(len(points), -np.inf)
         for normal, offset in zip(self._normals, self._offsets, strict=True):
             np.maximum(heights, points @ normal + offset, out=heights)
         return heights
 
-    def distance(self, points: Points) -> Points:
+    def distance(self, points):
         beyond = self.planes(points)
         some = np.flatnonzero(beyond > 0)
         gaps = np.full(len(some), np.inf)
@@ -161,7 +145,7 @@ class Hull(Piece):
         result[some] = gaps
         return result
 
-    def samples(self, count: int, seed: int) -> tuple[Points, Points]:
+    def samples(self, count, seed):
         random = np.random.default_rng(seed)
         a, b, c = np.moveaxis(self._corners, 1, 0)
         sizes = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -172,16 +156,16 @@ class Hull(Piece):
         return a + u * (b - a) + v * (c - a), self._normals[which]
 
 
-class Round(Piece):
-    """A sphere, a capsule or a cylinder about the third axis of its pose: `half` [m] of the height of what is
-    straight of it, `ends` whether half a sphere is at each end."""
+class Round:
+    """A sphere, a capsule or a cylinder about the third axis of its pose, as `Hull`: `half` [m] of the height
+    of what is straight of it, `ends` whether half a sphere is at each end."""
 
-    def __init__(self, pose: Points, radius: float, half: float, ends: bool) -> None:
+    def __init__(self, pose, radius, half, ends):
         self._pose, self._radius, self._half, self._ends = pose, radius, half, ends
         caps = 4 * np.pi * radius**2 if ends else 2 * np.pi * radius**2
         self.area = 4 * np.pi * radius * half + caps
 
-    def _beyond(self, points: Points) -> tuple[Points, Points]:
+    def _beyond(self, points):
         local = (points - self._pose[:3, 3]) @ self._pose[:3, :3]
         aside, along = np.hypot(local[:, 0], local[:, 1]), np.abs(local[:, 2]) - self._half
         if self._ends:
@@ -190,13 +174,13 @@ class Round(Piece):
         beyond = np.stack([aside - self._radius, along])
         return beyond.max(axis=0), np.hypot(*np.maximum(beyond, 0.0))
 
-    def planes(self, points: Points) -> Points:
+    def planes(self, points):
         return self._beyond(points)[0]
 
-    def distance(self, points: Points) -> Points:
+    def distance(self, points):
         return self._beyond(points)[1]
 
-    def samples(self, count: int, seed: int) -> tuple[Points, Points]:
+    def samples(self, count, seed):
         random = np.random.default_rng(seed)
         turn = random.uniform(0, 2 * np.pi, count)
         around = np.stack([np.cos(turn), np.sin(turn)], axis=1)
@@ -218,10 +202,10 @@ class Round(Piece):
         return local @ turned + self._pose[:3, 3], normals @ turned
 
 
-def pieces_of(model: mujoco.MjModel) -> Mapping[str, list[Piece]]:
+def pieces_of(model):
     """The colliders of a robot by body, in the order of the geoms, in the frame of the body: all but what is
     only seen."""
-    hulls: dict[str, list[Piece]] = {}
+    hulls = {}
     for geom in np.flatnonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0)):
         if model.geom_bodyid[geom] == 0 and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
             continue
@@ -229,7 +213,7 @@ def pieces_of(model: mujoco.MjModel) -> Mapping[str, list[Piece]]:
     return hulls
 
 
-def pose_of(model: mujoco.MjModel, geom: int) -> Points:
+def pose_of(model, geom):
     """The pose (4, 4) of a geom in its body."""
     pose = np.eye(4)
     turn = np.zeros(9)
@@ -238,7 +222,7 @@ def pose_of(model: mujoco.MjModel, geom: int) -> Points:
     return pose
 
 
-def mesh_of(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
+def mesh_of(model, geom):
     """The mesh of a geom in the frame of its body."""
     mesh = model.geom_dataid[geom]
     points, faces = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
@@ -248,7 +232,7 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
     return trimesh.Trimesh(vertices @ pose[:3, :3].T + pose[:3, 3], triangles, process=False)
 
 
-def _piece(model: mujoco.MjModel, geom: int) -> Piece:
+def _piece(model, geom):
     kind, size, pose = mujoco.mjtGeom(model.geom_type[geom]), model.geom_size[geom], pose_of(model, geom)
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return Hull(mesh_of(model, geom).vertices)
@@ -263,7 +247,7 @@ def _piece(model: mujoco.MjModel, geom: int) -> Piece:
 class _Solid:
     """A part, closed or not. `spacing` [m] of the points that stand for it."""
 
-    def __init__(self, mesh: trimesh.Trimesh, spacing: float) -> None:
+    def __init__(self, mesh, spacing):
         self._corners = np.asarray(mesh.triangles, dtype=float)
         count = int(np.clip(mesh.area / spacing**2, 20_000, 200_000))
         self._points, self._owners = trimesh.sample.sample_surface(mesh, count, seed=2)
@@ -271,10 +255,10 @@ class _Solid:
         self.bounds = mesh.bounds
 
     @cached_property
-    def _tree(self) -> cKDTree:
+    def _tree(self):
         return cKDTree(self._points)
 
-    def outside(self, points: Points, least: float) -> Points:
+    def outside(self, points, least):
         """How far points (n, 3) are outside [m]; less than `least` may be said of what is inside."""
         far, nearest = self._tree.query(points, 8)
         some = np.flatnonzero(far[:, 0] > least)
@@ -284,7 +268,7 @@ class _Solid:
         result[some] = np.where(self._around(points[some]) > 0.5, 0.0, np.min(exact, axis=0))
         return result
 
-    def _around(self, points: Points) -> Points:
+    def _around(self, points):
         """The winding number of points: the sum of the solid angles of all triangles (Van Oosterom and
         Strackee, 1983), those far away together as one dipole (Barill et al., "Fast winding numbers for soups
         and clouds", 2018)."""
@@ -302,7 +286,7 @@ class _Solid:
         return angles
 
     @cached_property
-    def _clusters(self) -> list[Points]:
+    def _clusters(self):
         """The triangles by the cubes of a grid that they are in."""
         middles = self._corners.mean(axis=1)
         side = np.ptp(middles, axis=0).max() / _CUBES or 1.0
@@ -311,7 +295,7 @@ class _Solid:
         return np.split(self._corners[order], np.flatnonzero(np.diff(cubes.ravel()[order])) + 1)
 
 
-def solid_angles(points: Points, corners: Points) -> Points:
+def solid_angles(points, corners):
     """(n,): the sum of the solid angles of triangles (m, 3, 3) from points (n, 3)."""
     angles = np.zeros(len(points))
     for some in np.array_split(np.arange(len(points)), 1 + len(points) * len(corners) // 1_000_000):
@@ -323,7 +307,7 @@ def solid_angles(points: Points, corners: Points) -> Points:
     return angles
 
 
-def to_triangles(points: Points, corners: Points) -> Points:
+def to_triangles(points, corners):
     """(n,): the distance [m] of each point (n, 3) from its triangle (n, 3, 3): to the plane where the point
     is above the triangle, else to the nearest of the edges."""
     a, b, c = np.moveaxis(corners, 1, 0)

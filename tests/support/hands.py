@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from linkwright.stages.robot.model.robot import Array, Inertial, Joint, frozen
+from linkwright.stages.robot.model.robot import Inertial, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from tests.support.robots import at, joint, loop, robot_with
 
@@ -16,9 +16,9 @@ def hand(seed, fingers=4, stages=2, mass=0.005, closing="revolute", dynamics=Non
     """Fingers of four-bar linkages in a row, each bar of about `mass` [kg] and 3 cm; `closing` is the type of
     the mate that closes each. With revolute ones there are 2 · fingers · stages equalities."""
     rng = np.random.default_rng(seed)
-    joints: list[Joint] = []
-    inertials: dict[str, Inertial] = {}
-    closed: list[tuple[str, str, Array, float]] = []
+    joints = []
+    inertials = {}
+    closed = []
     for finger in range(fingers):
         above, frame = "base", at(0, BAR * finger, 0) @ ACROSS
         for stage in range(stages):

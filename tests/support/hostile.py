@@ -13,7 +13,7 @@ LOGGING = (
 
 FILE = f"_target_: logging.FileHandler\nfilename: {MARK}\n"
 
-ROBOTS: dict[str, tuple[str, str, dict[str, str]]] = {
+ROBOTS = {
     # name: (an entry of the defaults list, keys, other files)
     "a callback": ("", f"hydra: {{callbacks: {{x: {CODE}}}}}", {}),
     "a callback by interpolation": ("", f"vars: {{e: {CODE}}}\nhydra: {{callbacks: {{x: '${{vars.e}}'}}}}", {}),

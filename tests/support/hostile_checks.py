@@ -7,10 +7,7 @@ import os
 import socket
 import struct
 import zlib
-from collections.abc import Callable, Mapping
 from pathlib import Path
-
-Content = str | bytes | Callable[[Path], None]
 
 BODY = '<body name="b"><joint type="hinge"/><geom size=".1"/></body>'
 LINK = '<link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
@@ -76,7 +73,7 @@ def bomb(use):
 def attached(depth):
     """Models in models, each in the next above twice."""
     twice = '<attach model="m" body="x" prefix="a"/><attach model="m" body="x" prefix="b"/>'
-    files: dict[str, Content] = {
+    files = {
         f"m{i}.xml": f'<mujoco><asset><model name="m" file="m{i + 1}.xml"/></asset><worldbody><body name="x">{twice}</body></worldbody></mujoco>'
         for i in range(depth)
     }
@@ -99,7 +96,7 @@ def links(count):
 REPLICATE = '<replicate count="{}">{}</replicate>'
 TRUTH = "robot.json"
 
-ONE: dict[str, Mapping[str, Content]] = {
+ONE = {
     # MJCF.
     "nkey": {"m.xml": mjcf(more='<size nkey="2000000000"/>')},
     "nuser": {"m.xml": mjcf(more='<size nuser_geom="2000000000"/>')},
@@ -156,7 +153,7 @@ ONE: dict[str, Mapping[str, Content]] = {
 }  # fmt: skip
 """Name → files, the first of which is checked. All are refused."""
 
-BUILDS: dict[str, Mapping[str, Content]] = {
+BUILDS = {
     "220,000 links": {TRUTH: robot_json(links=links(220_000))},
     "deep JSON": {TRUTH: "[" * 1_000_000 + "]" * 1_000_000},
     "deep JSON in a field": {TRUTH: robot_json(links="@").replace('"@"', "[" * 200_000 + "]" * 200_000)},
@@ -173,7 +170,7 @@ BUILDS: dict[str, Mapping[str, Content]] = {
 }  # fmt: skip
 """Folders whose robot.json is hostile. All are refused."""
 
-BESIDE: dict[str, Content] = {
+BESIDE = {
     "{}.urdf": fifo,
     "{}.sdf": fifo,
     "{}.srdf": link_to("/dev/zero"),
@@ -186,7 +183,7 @@ BESIDE: dict[str, Content] = {
 }
 """By path, what takes the place of a file of a finished build. All are refused."""
 
-ANSWERED: dict[str, Mapping[str, Content]] = {
+ANSWERED = {
     "entities in an attribute": {"m.xml": bomb('<mujoco model="&e9;"/>')},
     "entities in a text": {"m.urdf": bomb('<robot name="r">&e9;</robot>')},
     "an include of itself": {"m.xml": '<mujoco><include file="m.xml"/></mujoco>'},

@@ -45,7 +45,7 @@ def main():
     folder, warm = map(Path, sys.argv[1:])
     checks_of(warm, truth_of(warm))
     truth = truth_of(folder)
-    spent: list[float] = []
+    spent = []
     mujoco_engine.load = _timed(mujoco_engine.load, spent)
     seconds, memory = time.process_time(), _memory()
     checks = checks_of(folder, truth)

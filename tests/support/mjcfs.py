@@ -117,7 +117,7 @@ def random_model(seed):
             text += f'<joint {more} armature="{rng.uniform(0, 0.1)!r}" damping="{rng.uniform(0, 1)!r}"/>'
         return text
 
-    children: dict[int, list[int]] = {0: []}
+    children = {0: []}
     for number in range(1, int(rng.integers(3, 8))):
         parent = int(rng.integers(number)) if number > 1 else 0
         children[number] = []
@@ -135,5 +135,4 @@ def random_model(seed):
 
 def at_home(module, request, *_):
     """A guest's answer without a process of its own: the same code, for tests of what it makes."""
-    answer: bytes = import_module(module).answer(request)
-    return answer
+    return import_module(module).answer(request)

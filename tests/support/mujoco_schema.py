@@ -4,13 +4,12 @@ import re
 
 import mujoco
 
-Where = tuple[str, ...]
 LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
 
 
 def schema():
     """The path of each element and its attributes."""
-    elements: list[tuple[Where, list[str]]] = []
+    elements = []
     for line in mujoco.mj_printSchema(False, True).splitlines():
         match = LINE.match(line)
         if match:

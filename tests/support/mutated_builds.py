@@ -1,18 +1,14 @@
 """Two finished builds to plant faults in: the sample, and a robot that has what the sample lacks."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from linkwright.pipeline.checking.run import checked
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
-from linkwright.stages.robot.check import Check
-from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of, plan_of, write
@@ -20,7 +16,7 @@ from tests.support.kit import SIDE, TOP, Kit
 
 RESISTS = {"effort": 20, "velocity": 3, "damping": 0.1, "friction": 0.02, "armature": 0.01}
 
-FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}, "ros2": {}, "python": {}}
+FORMATS = {"urdf": {}, "mjcf": {}, "sdf": {}, "ros2": {}, "python": {}}
 FORMATS |= {"usd": {}} if find_spec("pxr") else {}
 
 FEW_FACES = {"max_faces": 300}
@@ -61,12 +57,12 @@ class Build:
     name: str
 
 
-def checks_of(folder: Path) -> tuple[Check, ...]:
+def checks_of(folder):
     """What `linkwright check` makes of a folder."""
     return checked(str(folder), "standard").checks
 
 
-def built(document: Document, folder: Path, keys: Mapping[str, Any]) -> Build:
+def built(document, folder, keys):
     """A document of the local Onshape, built with these keys."""
     plan, bundle = plan_of(**keys), bundle_of(document)
     robot = build_robot(bundle, plan)
@@ -76,16 +72,16 @@ def built(document: Document, folder: Path, keys: Mapping[str, Any]) -> Build:
     return Build(folder, robot.name)
 
 
-def sample(folder: Path) -> Build:
+def sample(folder):
     return built(sample_document(), folder, SAMPLE)
 
 
-def rover(folder: Path) -> Build:
+def rover(folder):
     """A free body with a neck, two geared wheels, a ball and a frame."""
     return built(rover_document(), folder, ROVER)
 
 
-def rover_document() -> Document:
+def rover_document():
     kit = Kit()
     body = kit.place("Body")
     head, left, right, hand = (kit.place(name) for name in ("Head", "Left", "Right", "Hand"))
@@ -99,7 +95,7 @@ def rover_document() -> Document:
     return kit.document
 
 
-def hinge_document() -> Document:
+def hinge_document():
     """Two parts on a hinge."""
     kit = Kit()
     first, other = kit.place("One"), kit.place("Other")

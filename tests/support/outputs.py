@@ -18,7 +18,7 @@ def build(text, **more):
 
 def content(folder):
     """Every entry below the folder, but for manifests and locks: path → bytes, or what else it is."""
-    entries: dict[str, object] = {}
+    entries = {}
     for top, below, files in os.walk(folder):
         below[:] = [name for name in below if name != ".linkwright"]
         for name in (*below, *files):

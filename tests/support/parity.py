@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.robot.model.robot import Value
 from linkwright.stages.robot.motion.loops import POINTWISE
 from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support.engines import Mujoco, Pinocchio
@@ -28,7 +27,12 @@ def same(actual, expected, tolerance=1e-9):
 
 
 class Parity:
-    """The three readers of a robot's files, which are in `folder`."""
+    """The three readers of a robot's files, which are in `folder`.
+
+    A format adds its `reader` and what is read of the file: the total mass, the `limits` of a joint (infinite
+    where it is open), whether its dynamics are those of MuJoCo's joint (`same_dynamics`), its relations
+    (`count_of_relations`, `same_relation` at values of both), and whether loops are `closed` at a pose.
+    """
 
     format: ClassVar[str]
     tolerance = 1e-9
@@ -71,7 +75,7 @@ class Parity:
 
     def values(self, q):
         """Values of the robot's dofs as the file's joints count them."""
-        by_joint: dict[str, Value] = {}
+        by_joint = {}
         for name, value in q.items():
             zero = self.zeros.get(name)
             if zero is not None and isinstance(value, tuple):
@@ -84,7 +88,7 @@ class Parity:
 
     def same_poses(self, q):
         """The poses by the file's own names of the links, as MuJoCo and Pinocchio have them, too."""
-        actual: dict[str, np.ndarray] = self.reader.poses(self.values(q))
+        actual = self.reader.poses(self.values(q))
         for engine in (self.mujoco, self.pinocchio):
             expected = engine.poses(q)
             moved = self.root_of(actual) @ np.linalg.inv(expected[self.robot.root.name])
@@ -170,28 +174,6 @@ class Parity:
         """Where the root is among the poses of the file."""
         return poses[self.link(self.robot.root.name)]
 
-    def total_mass(self):
-        raise NotImplementedError
-
-    def limits(self, joint):
-        """The ends of a joint's range; infinite where it is open."""
-        raise NotImplementedError
-
-    def same_dynamics(self, dof, joint):
-        """Compares effort, damping, friction and the like with MuJoCo's joint."""
-        raise NotImplementedError
-
-    def count_of_relations(self):
-        raise NotImplementedError
-
-    def same_relation(self, follower, driver, q):
-        """Whether the file's relation of two dofs holds at these values."""
-        raise NotImplementedError
-
-    def closed(self, q, poses):
-        """Whether the joints of the loops are closed at a pose that closes them."""
-        raise NotImplementedError
-
 
 class SdfParity(Parity):
     """The SDF by `tests.support.sdf`."""
@@ -259,8 +241,7 @@ class UsdParity(Parity):
         return sum(self.reader.mass(body)[0] for body in self.reader.bodies)
 
     def limits(self, joint):
-        low, high = self.reader.limits(joint)
-        return low, high
+        return self.reader.limits(joint)
 
     def same_dynamics(self, dof, joint):
         name, model = self.joint(dof.name), self.mujoco.model

@@ -5,7 +5,6 @@ mass, inertia, axes and marked frames, all in the world, at any values of the jo
 """
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import mujoco
@@ -14,8 +13,6 @@ import numpy as np
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.motion.kinematics import link_poses
 from tests.support.pinocchio import pin
-
-Values = Mapping[str, float]
 
 
 @dataclass
@@ -114,7 +111,7 @@ def of_mjcf(text, q):
 def limits_of(text):
     """{joint: (lower, upper)} of a URDF or an MJCF; None where it turns without end."""
     root = ET.fromstring(text)
-    limits: dict[str, tuple[float, float] | None] = {}
+    limits = {}
     for joint in root.iter("joint"):
         name, kind, limit = joint.get("name"), joint.get("type"), joint.find("limit")
         if name is None or kind == "fixed":

@@ -7,6 +7,9 @@ PROJECT = Path(__file__).resolve().parents[2]
 ROOMS = ("conf", "pipeline", "stages")
 """The folders of the product."""
 
+MODELS = PROJECT / "tests" / "support" / "models"
+"""Robots in files of their own."""
+
 SHIPPED = ("pyproject.toml", "setup.py", "README.md", "LICENSE", *ROOMS)
 """What the package is made of."""
 

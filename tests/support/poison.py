@@ -1,6 +1,5 @@
 """Meshes that no collider can be made of, or only with care."""
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -92,7 +91,7 @@ def torus(rough=0.0, count=1000):
 
 POINTS, FACES = RING
 BALL, CORE = of(icosphere(2, 0.03)), of(icosphere(2, 0.02))
-POISONED: Mapping[str, Callable[[], Mesh]] = {
+POISONED = {
     "not manifold": _not_manifold,
     "inverted": lambda: Mesh(POINTS, FACES[:, ::-1]),
     "half inverted": _half_inverted,

@@ -28,7 +28,7 @@ def urdfs(draw, most=8):
     lines = [_link(names[0], None if draw(st.booleans()) and count > 1 and names[0] == "world" else draw)]
     lines += [_link(name, None if dummy[i] else draw) for i, name in enumerate(names[1:], start=1)]
     joints = [name if clash else f"{name}_j" for name in names[1:]]
-    movers: list[str] = []
+    movers = []
     for i, (parent, kind) in enumerate(zip(parents, types, strict=True)):
         mimic = draw(st.sampled_from(movers)) if movers and kind != "fixed" and draw(st.booleans()) else ""
         lines.append(_joint(draw, joints[i], kind, names[parent], names[i + 1], mimic))

@@ -1,6 +1,5 @@
 """Robots made by hand: every type of joint and loop, without a document behind them."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +9,9 @@ from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, ro
 from linkwright.stages.robot.model.robot import (
     Base,
     Dof,
-    DofKind,
     Dynamics,
     Inertial,
     Joint,
-    JointType,
     Limits,
     Link,
     Loop,
@@ -23,14 +20,13 @@ from linkwright.stages.robot.model.robot import (
     Part,
     Provenance,
     Robot,
-    Value,
     frozen,
 )
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 
 X, Y, Z, NONE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 
-CHAINS: Mapping[JointType, tuple[tuple[str, DofKind, tuple[float, float, float]], ...]] = {
+CHAINS = {
     "fixed": (),
     "revolute": (("", "turn", Z),),
     "prismatic": (("", "slide", Z),),
@@ -43,9 +39,9 @@ CHAINS: Mapping[JointType, tuple[tuple[str, DofKind, tuple[float, float, float]]
 }
 """The dofs of a mate from its second entity to its first: suffix, kind, axis."""
 
-EVERY: tuple[JointType, ...] = tuple(CHAINS)
-LOOPS: tuple[JointType, ...] = tuple(kind for kind in CHAINS if kind != "free")
-CARRIED: tuple[JointType, ...] = ("prismatic", "cylindrical", "planar", "pin_slot", "parallel")
+EVERY = tuple(CHAINS)
+LOOPS = tuple(kind for kind in CHAINS if kind != "free")
+CARRIED = ("prismatic", "cylindrical", "planar", "pin_slot", "parallel")
 
 
 def pose(rng, reach=0.3):
@@ -79,7 +75,7 @@ def dofs_of(
     dof's name; `origins`: of the second dof in the chain and those after it."""
     made = []
     for index, (suffix, freedom, axis) in enumerate(CHAINS[kind]):
-        value: Value = at_rest(freedom) if saved is None else saved[index]
+        value = at_rest(freedom) if saved is None else saved[index]
         sign = -1.0 if mirrored and freedom == "slide" and axis == Z else 1.0
         if backwards:
             sign = -sign
@@ -89,69 +85,27 @@ def dofs_of(
     if backwards:
         made.reverse()
     frames = [np.eye(4), *origins, *[np.eye(4)] * len(made)]
+    limits, dynamics = limits or {}, dynamics or Dynamics()
     return tuple(
-        Dof(
-            label,
-            freedom,
-            axis,
-            frozen(frame),
-            (limits or {}).get(label, Limits()),
-            dynamics or Dynamics(),
-            value,
-        )
+        Dof(label, freedom, axis, frozen(frame), limits.get(label, Limits()), dynamics, value)
         for (label, freedom, axis, value), frame in zip(made, frames, strict=False)
     )
 
 
-def joint(
-    kind,
-    parent,
-    child,
-    saved=None,
-    *,
-    name=None,
-    place=None,
-    backwards=False,
-    mirrored=False,
-    limits=None,
-    dynamics=None,
-    origins=(),
-):
-    """A joint called `<child>_joint` unless named, at `place` in its parent (the identity)."""
-    name = name or f"{child}_joint"
-    dofs = dofs_of(
-        name,
-        kind,
-        saved,
-        backwards=backwards,
-        mirrored=mirrored,
-        limits=limits,
-        dynamics=dynamics,
-        origins=origins,
-    )
-    mate = MateRef((), name, name, kind.upper())
-    where = frozen(np.eye(4) if place is None else place)
-    return Joint(name, kind, parent, child, where, dofs, backwards, mate)
+def joint(kind, parent, child, saved=None, *, name=None, place=None, **mate):
+    """A joint called `<child>_joint` unless named, at `place` in its parent (the identity); `mate`: as
+    `dofs_of` has it."""
+    name, where = name or f"{child}_joint", frozen(np.eye(4) if place is None else place)
+    dofs, ref = dofs_of(name, kind, saved, **mate), MateRef((), name, name, kind.upper())
+    return Joint(name, kind, parent, child, where, dofs, mate.get("backwards", False), ref)
 
 
-def loop(
-    kind,
-    link_a,
-    link_b,
-    a_from_frame,
-    b_from_frame,
-    saved=None,
-    *,
-    name="loop",
-    lever=0.05,
-    limits=None,
-    solref=(0.004, 1.0),
-):
-    """A mate that closes a loop: its first entity on `link_a`."""
-    dofs = dofs_of(name, kind, saved, limits=limits)
-    mate = MateRef((), name, name, kind.upper())
+def loop(kind, link_a, link_b, a_from_frame, b_from_frame, saved=None, *, name="loop", **more):
+    """A mate that closes a loop: its first entity on `link_a`. `more`: `lever`, `solref` or `limits`."""
+    lever, solref = more.pop("lever", 0.05), more.pop("solref", (0.004, 1.0))
+    dofs, ref = dofs_of(name, kind, saved, **more), MateRef((), name, name, kind.upper())
     frames = frozen(a_from_frame), frozen(b_from_frame)
-    return Loop(name, kind, link_a, link_b, *frames, dofs, lever, solref, 0.0, mate)
+    return Loop(name, kind, link_a, link_b, *frames, dofs, lever, solref, 0.0, ref)
 
 
 def solid(mass, com=(0.0, 0.0, 0.0), radius=0.1):

@@ -8,11 +8,9 @@ documentation: they record what is started and know nothing else.
 import re
 import runpy
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, make_dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
@@ -51,6 +49,17 @@ CONTROLLERS = {
     "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster",
 }
 """Controllers that ros2_controllers has."""
+
+
+BROADCAST = {
+    "imu_sensor_broadcaster": {
+        "orientation": "xyzw",
+        "angular_velocity": "xyz",
+        "linear_acceleration": "xyz",
+    },
+    "force_torque_sensor_broadcaster": {"force": "xyz", "torque": "xyz"},
+}
+"""The quantities that each broadcaster of a sensor claims, and their axes."""
 
 
 @dataclass
@@ -136,32 +145,29 @@ def check_manifest(package):
     return needs
 
 
+def imagined(name, *fields):
+    """A stand-in of a class of ROS, which records its arguments."""
+    return make_dataclass(name, fields)
+
+
 @dataclass
 class Node:
     """Imagined: a node that a launch file starts."""
 
     package: str
     executable: str
-    parameters: list[Any] = field(default_factory=list)
-    arguments: list[str] = field(default_factory=list)
-    remappings: list[tuple[str, str]] = field(default_factory=list)
+    parameters: list = field(default_factory=list)
+    arguments: list = field(default_factory=list)
+    remappings: list = field(default_factory=list)
     output: str = "log"
 
 
-@dataclass
-class DeclareLaunchArgument:
-    """Imagined."""
-
-    name: str
-    default_value: str
-    description: str
-
-
-@dataclass
-class OpaqueFunction:
-    """Imagined."""
-
-    function: Callable[[Mapping[str, str]], list[Node]]
+DeclareLaunchArgument = imagined("DeclareLaunchArgument", "name", "default_value", "description")
+OpaqueFunction = imagined("OpaqueFunction", "function")
+LaunchDescription = imagined("LaunchDescription", "entities")
+ParameterValue = imagined("ParameterValue", "value", "value_type")
+PythonLaunchDescriptionSource = imagined("PythonLaunchDescriptionSource", "path")
+IncludeLaunchDescription = imagined("IncludeLaunchDescription", "source", "launch_arguments")
 
 
 @dataclass
@@ -174,47 +180,17 @@ class LaunchConfiguration:
         return context[self.name]
 
 
-@dataclass
-class LaunchDescription:
-    """Imagined."""
-
-    entities: list[Any]
-
-
-@dataclass
-class ParameterValue:
-    """Imagined: a parameter that is a text whatever it looks like."""
-
-    value: Any
-    value_type: type
+PARTS = (
+    "robot_description", "robot_description_semantic", "robot_description_kinematics", "planning_pipelines",
+    "trajectory_execution", "joint_limits", "pilz_cartesian_limits",
+)  # fmt: skip
 
 
-@dataclass
-class PythonLaunchDescriptionSource:
-    """Imagined: a launch file by its path."""
-
-    path: str
-
-
-@dataclass
-class IncludeLaunchDescription:
-    """Imagined: another launch file, with what it is given."""
-
-    source: PythonLaunchDescriptionSource
-    launch_arguments: Any
-
-
-@dataclass
 class MoveItConfigs:
     """Imagined: what MoveIt's builder has read."""
 
-    robot_description: dict[str, Any] = field(default_factory=dict)
-    robot_description_semantic: dict[str, Any] = field(default_factory=dict)
-    robot_description_kinematics: dict[str, Any] = field(default_factory=dict)
-    planning_pipelines: dict[str, Any] = field(default_factory=dict)
-    trajectory_execution: dict[str, Any] = field(default_factory=dict)
-    joint_limits: dict[str, Any] = field(default_factory=dict)
-    pilz_cartesian_limits: dict[str, Any] = field(default_factory=dict)
+    def __init__(self):
+        vars(self).update({part: {} for part in PARTS})
 
     def to_dict(self):
         return {key: value for part in vars(self).values() for key, value in part.items()}
@@ -273,7 +249,7 @@ def launched(package, file, monkeypatch, **chosen):
         assert name == package.name or name in check_manifest(package)
         return str(folder)
 
-    modules: dict[str, dict[str, Any]] = {
+    modules = {
         "launch": {"LaunchDescription": LaunchDescription},
         "launch.actions": {
             "DeclareLaunchArgument": DeclareLaunchArgument,
@@ -332,11 +308,8 @@ def check_control(package, urdf, controllers, prefix="", parameters=None):
     commands, states = set(), set()
     names = [element.get("name") for element in control if element.tag in ("joint", "sensor")]
     assert len(set(names)) == len(names)
-    moving = [
-        name
-        for name, element in joints.items()
-        if element.get("type") in ("revolute", "continuous", "prismatic")
-    ]
+    types = ("revolute", "continuous", "prismatic")
+    moving = [name for name, element in joints.items() if element.get("type") in types]
     assert [element.get("name") for element in control.findall("joint")] == moving
     for node in control.findall("joint"):
         name = node.get("name")
@@ -349,15 +322,10 @@ def check_control(package, urdf, controllers, prefix="", parameters=None):
             assert mimic.get("joint") in names
         else:
             assert params == (parameters or {}).get(name, {})
-        commands |= {
-            (name, command_interface.get("name")) for command_interface in node.findall("command_interface")
-        }
-        states |= {(name, state_interface.get("name")) for state_interface in node.findall("state_interface")}
+        commands |= {(name, interface.get("name")) for interface in node.findall("command_interface")}
+        states |= {(name, interface.get("name")) for interface in node.findall("state_interface")}
     for node in control.findall("sensor"):
-        states |= {
-            (node.get("name"), state_interface.get("name"))
-            for state_interface in node.findall("state_interface")
-        }
+        states |= {(node.get("name"), interface.get("name")) for interface in node.findall("state_interface")}
         assert node.findtext("param[@name='frame_id']") in links
     claimed = []
     manager = dict(controllers["controller_manager"]["ros__parameters"])
@@ -380,20 +348,8 @@ def check_control(package, urdf, controllers, prefix="", parameters=None):
             assert own["frame_id"] in links
             assert own["frame_id"].startswith(prefix)
             interfaces = {interface for sensor, interface in states if sensor == own["sensor_name"]}
-            wanted = {
-                "imu_sensor_broadcaster": {
-                    *(f"orientation.{axis}" for axis in "xyzw"),
-                    *(
-                        f"{quantity}.{axis}"
-                        for quantity in ("angular_velocity", "linear_acceleration")
-                        for axis in "xyz"
-                    ),
-                },
-                "force_torque_sensor_broadcaster": {
-                    f"{quantity}.{axis}" for quantity in ("force", "torque") for axis in "xyz"
-                },
-            }
-            assert interfaces == wanted[kind]
+            quantities = BROADCAST[kind].items()
+            assert interfaces == {f"{quantity}.{axis}" for quantity, axes in quantities for axis in axes}
     assert len(set(claimed)) == len(claimed), "two controllers claim one interface"
     assert set(claimed) <= commands
     # Each joint that can be commanded is commanded by some controller.
@@ -434,11 +390,8 @@ def same_robot(ours, theirs, prefix="", shift=None):
             assert ends[0] == ends[1], own
         for most in ("velocityLimit", "effortLimit"):
             if hasattr(first.model, most):
-                values = (
-                    getattr(first.model, most)[first_model.idx_v],
-                    getattr(other.model, most)[yours.idx_v],
-                )
-                assert values[0] == values[1], own
+                values = getattr(first.model, most), getattr(other.model, most)
+                assert values[0][first_model.idx_v] == values[1][yours.idx_v], own
 
 
 def same_text(plain, expanded, prefix=""):

@@ -23,9 +23,6 @@ SEEDS = 8
 WIDTHS = {0: (7, 6), 1: (4, 3), 2: (1, 1), 3: (1, 1)}
 """Numbers of a joint in `qpos` and in `qvel`, by MuJoCo's type."""
 
-Pairs = list[tuple[int, int]]
-"""Numbers in the original and in what was made of it."""
-
 
 @dataclass(frozen=True, slots=True)
 class Apart:
@@ -71,8 +68,8 @@ class Pair:
     def _joints(self):
         """Each number in `qpos` and in `qvel`."""
         original, made = self.original, self.made
-        qpos: Pairs = []
-        qvel: Pairs = []
+        qpos = []
+        qvel = []
         for joint in range(original.njnt):
             other = self._joint(joint)
             positions, speeds = WIDTHS[int(original.jnt_type[joint])]
@@ -95,8 +92,8 @@ class Pair:
     def _actuators(self):
         """Each number in `act` and in `ctrl`; what was lost is left out."""
         original, made = self.original, self.made
-        act: Pairs = []
-        ctrl: Pairs = []
+        act = []
+        ctrl = []
         for index in range(original.nu):
             name = original.actuator(index).name
             other = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_ACTUATOR, name) if name else index

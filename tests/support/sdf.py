@@ -4,15 +4,11 @@ Nothing of the product is used. Joints count from the pose in which the file's l
 comes second to a link closes a loop, and does not belong to the tree.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from tests.support.pinocchio import pin
-
-Values = Mapping[str, float | tuple[float, ...]]
 
 
 class Sdf:
@@ -29,11 +25,11 @@ class Sdf:
         for node in self.root.iter():
             names = [element.get("name") for element in node if element.get("name") is not None]
             assert len(set(names)) == len(names), (node.tag, names)
-        self._places: dict[str, np.ndarray] = {}
-        self.loops: list[str] = []
+        self._places = {}
+        self.loops = []
         self.model = pin.Model()
-        self._frames: dict[int, np.ndarray] = {0: np.eye(4)}
-        self._held: dict[str, tuple[int, np.ndarray]] = {}
+        self._frames = {0: np.eye(4)}
+        self._held = {}
         self._build()
         self.data = self.model.createData()
 
@@ -142,7 +138,7 @@ class Sdf:
         """(n, n) of the speeds of these joints; a ball's is its angular velocity in the child's axes."""
         upper = np.triu(pin.crba(self.model, self.data, self._q(values)))
         full = upper + np.triu(upper, 1).T
-        order: list[int] = []
+        order = []
         for name in joints:
             joint = self.model.joints[self.model.getJointId(name)]
             order += range(joint.idx_v, joint.idx_v + joint.nv)

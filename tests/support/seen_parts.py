@@ -1,7 +1,9 @@
-"""The visual triangles of each part of a robot, read from its source without the product's own code."""
+"""The visual triangles of each part of a robot, read from its source without the product's own code.
+
+By link, in the order of the source: the name of each mesh, and the mesh in the link's frame.
+"""
 
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,13 +14,10 @@ from scipy.spatial.transform import Rotation
 
 from tests.support.fidelity import mesh_of
 
-Seen = Mapping[str, list[tuple[str, trimesh.Trimesh]]]
-"""By link, in the order of the source: the name of each mesh, and the mesh in the link's frame."""
-
 
 def of_urdf(path):
     """The meshes of a URDF's visuals."""
-    parts: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    parts = {}
     for link in ElementTree.parse(path).getroot().iterfind("link"):
         for visual in link.iterfind("visual"):
             mesh = visual.find("geometry/mesh")
@@ -41,7 +40,7 @@ def _origin(element):
 def of_mjcf(path):
     """The meshes of an MJCF that do not collide."""
     model = mujoco.MjModel.from_xml_path(str(path))
-    parts: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    parts = {}
     for geom in range(model.ngeom):
         seen = not model.geom_contype[geom] and not model.geom_conaffinity[geom]
         if seen and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
@@ -54,9 +53,9 @@ def of_mjcf(path):
 def of_parts(path):
     """The meshes that are seen in an MJCF with one for each part and colour (`mesh.visual.merge=part`), those
     of one part together."""
-    surfaces: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    surfaces = {}
     for link, meshes in of_mjcf(path).items():
-        parts: dict[str, list[trimesh.Trimesh]] = {}
+        parts = {}
         for name, mesh in meshes:
             word = re.sub(r"__\d+$", "", name.removeprefix(f"{link}_"))
             parts.setdefault(word, []).append(mesh)

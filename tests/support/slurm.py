@@ -7,6 +7,8 @@ import subprocess
 import time
 from contextlib import contextmanager
 
+from tests.support.places import MODELS
+
 WANTED = ("slurmctld", "slurmd", "sbatch", "srun")
 
 
@@ -49,34 +51,9 @@ def _settings(folder):
         for listener in (first, second):
             listener.bind(("127.0.0.1", 0))
         ports = first.getsockname()[1], second.getsockname()[1]
-    return f"""\
-ClusterName=test
-SlurmctldHost={host}(127.0.0.1)
-SlurmUser=root
-SlurmdUser=root
-AuthType=auth/none
-AuthInfo=cred_expire=5
-CredType=cred/none
-ProctrackType=proctrack/linuxproc
-TaskPlugin=task/none
-AccountingStorageType=accounting_storage/none
-JobAcctGatherType=jobacct_gather/none
-SelectType=select/cons_tres
-SelectTypeParameters=CR_CPU
-SchedulerParameters=sched_interval=1,batch_sched_delay=0
-ReturnToService=2
-MpiDefault=none
-StateSaveLocation={folder}/state
-SlurmdSpoolDir={folder}/spool
-SlurmctldPidFile={folder}/slurmctld.pid
-SlurmdPidFile={folder}/slurmd.pid
-SlurmctldLogFile={folder}/slurmctld.log
-SlurmdLogFile={folder}/slurmd.log
-SlurmctldPort={ports[0]}
-SlurmdPort={ports[1]}
-NodeName={host} NodeAddr=127.0.0.1 CPUs={os.cpu_count()} RealMemory=2000 State=UNKNOWN
-PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
-"""
+    names = {"host": host, "folder": folder, "processors": os.cpu_count()}
+    text = (MODELS / "slurm.conf").read_text()
+    return text.format(**names, controller=ports[0], daemon=ports[1])
 
 
 def _wait(command, answer, environ):

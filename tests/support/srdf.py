@@ -46,11 +46,8 @@ class Srdf:
         return names
 
     def moves(self, joint):
-        return joint in self.joints and self.joints[joint].get("type") in (
-            "revolute",
-            "continuous",
-            "prismatic",
-        )
+        types = ("revolute", "continuous", "prismatic")
+        return joint in self.joints and self.joints[joint].get("type") in types
 
     @property
     def groups(self):
@@ -187,27 +184,21 @@ class InPinocchio:
         """Pose → the values of its joints, except continuous joints about an axis along none of x, y and z,
         whose values Pinocchio does not read (up to 4.1 at least)."""
         pin.loadReferenceConfigurations(self.model, self._srdf)
-        names = [
-            referenceconfiguration.key() for referenceconfiguration in self.model.referenceConfigurations
-        ]
-        return {name: self._values(self.model.referenceConfigurations[name]) for name in names}
+        read = self.model.referenceConfigurations
+        return {name: self._values(read[name]) for name in [pose.key() for pose in read]}
 
     def active(self):
         """The pairs of links that are checked once the SRDF is read."""
         self._geometry.addAllCollisionPairs()
         pin.removeCollisionPairs(self.model, self._geometry, self._srdf)
-        pairs = [
-            (collisionpair.first, collisionpair.second) for collisionpair in self._geometry.collisionPairs
-        ]
-        return {frozenset((self._link(first), self._link(other))) for first, other in pairs} - {
-            frozenset((link,)) for link in {self._link(index) for index in range(self._geometry.ngeoms)}
-        }
+        pairs = [(pair.first, pair.second) for pair in self._geometry.collisionPairs]
+        links = {frozenset((self._link(first), self._link(other))) for first, other in pairs}
+        return {pair for pair in links if len(pair) == 2}
 
     def is_rigid(self, first, other):
         """Whether two links are on one joint of Pinocchio's tree."""
-        return (
-            len({self.model.frames[self.model.getBodyId(name)].parentJoint for name in (first, other)}) == 1
-        )
+        frames = [self.model.frames[self.model.getBodyId(name)] for name in (first, other)]
+        return frames[0].parentJoint == frames[1].parentJoint
 
     def touching(self, pairs, count, seed):
         """Those of the pairs of links that touch at some of so many random values within the limits, with
@@ -233,8 +224,7 @@ class InPinocchio:
         return found
 
     def _link(self, geometry):
-        name: str = self.model.frames[self._geometry.geometryObjects[geometry].parentFrame].name
-        return name
+        return self.model.frames[self._geometry.geometryObjects[geometry].parentFrame].name
 
     def _values(self, q):
         by_key = {}
@@ -245,7 +235,7 @@ class InPinocchio:
         return by_key
 
     def _drawn(self, random):
-        values: dict[str, float] = {}
+        values = {}
         for name, node in self._nodes.items():
             limit = node.find("limit")
             ends = (-math.pi, math.pi)

@@ -1,4 +1,7 @@
-"""Textured meshes: made by hand, and read back by trimesh and by MuJoCo."""
+"""Textured meshes: made by hand, and read back by trimesh and by MuJoCo.
+
+Corners (m, 3, 5) are x, y, z [m] and u, v of the corners of each triangle; v upwards.
+"""
 
 import io
 import struct
@@ -6,16 +9,12 @@ import zlib
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 import trimesh
 
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot import codec
 from tests.support.building import plan_of, write
-
-Corners = npt.NDArray[np.float64]
-"""(m, 3, 5): x, y, z [m] and u, v of the corners of each triangle; v upwards."""
 
 QUADRANTS = ((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0))
 """The colours of the image: upper left, upper right, lower left, lower right."""

@@ -6,15 +6,12 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mesh import make_geometry
+from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate.model.coordinates import set_values
 from tests.support.building import plan_of
-
-Pairs = dict[tuple[str, str], float]
-Geom = tuple[str, int]
-"""A link, and a position among its collision shapes."""
 
 
 def box(x, y, z, pose=None):
@@ -31,6 +28,24 @@ NO_FILES = Bundle("sample", {}, "", {}, {})
 
 def no_memo(kind, key, make):
     return make()
+
+
+class Memory:
+    """A memo that keeps what was made, and tells what it was asked: `keys`, as text, by kind."""
+
+    def __init__(self):
+        self.kept, self.made, self.keys = {}, 0, []
+
+    def __call__(self, kind, key, make):
+        name = kind, codec.dump(key)
+        self.keys.append(name)
+        if name not in self.kept:
+            self.made += 1
+            self.kept[name] = make()
+        return self.kept[name]
+
+    def keys_of(self, kind):
+        return [key for asked, key in self.keys if asked == kind]
 
 
 def geometry_of(robot, memo=no_memo, **contact):
@@ -89,7 +104,7 @@ def excluded(robot, excludes):
 def apart(robot, q):
     """The distance of each two links with shapes at `q`: negative by the depth where they overlap; where
     boxes are apart only a lower bound of it."""
-    found: Pairs = {}
+    found = {}
     for ((first, _), (other, _)), off in geoms_apart(robot, q).items():
         found[first, other] = min(off, found.get((first, other), np.inf))
     return found

@@ -14,7 +14,7 @@ from lxml import etree
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import FileBundle
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from tests.support.building import plan_of, write
+from tests.support.building import plan_of
 from tests.support.engines import Mujoco, Pinocchio
 
 SCALAR = ("revolute", "continuous", "prismatic")
@@ -176,7 +176,7 @@ _STAND_INS = (1e3, 1e4, 1e5, 1e6)
 
 
 def _bounds(text):
-    found: dict[str, dict[str, float]] = {}
+    found = {}
     for node in etree.fromstring(text).findall("joint"):
         if node.get("type") not in SCALAR:
             found[node.get("name")] = {}
@@ -217,8 +217,3 @@ def _mimics(text):
             factor, offset = factor * more, factor * shift + offset
         whole[name] = driver, factor, offset
     return whole
-
-
-def written(robot, folder):
-    """The robot's files without meshes, in `folder`."""
-    return write(robot, folder)

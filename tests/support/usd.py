@@ -5,13 +5,10 @@ Angles are in degrees in the file and in radians here.
 """
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-
-Values = Mapping[str, float | tuple[float, ...]]
 
 
 class _Pxr:
@@ -76,7 +73,7 @@ class Usd:
         self.stands = {
             name: _matrix(cache.GetLocalToWorldTransform(prim)) for name, prim in self.bodies.items()
         }
-        self.above: dict[str, str] = {}
+        self.above = {}
         for name, joint in self.joints.items():
             child = self.ends(joint)[1]
             assert child not in self.above, f"two joints of the tree hold {child}"
@@ -98,7 +95,7 @@ class Usd:
     def poses(self, values, free=None):
         """world_from_body (4, 4) by the names of bodies. `values`: by joint, of a ball (w, x, y, z) in
         the axes of its second body; `free`: the pose of bodies that no joint holds, else where they stand."""
-        found: dict[str, np.ndarray] = {}
+        found = {}
 
         def pose(body):
             if body == self.root.GetName() and body not in self.bodies:

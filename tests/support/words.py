@@ -7,7 +7,6 @@ import ast
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from tests.support.imports import modules
@@ -26,13 +25,11 @@ STUMBLES = re.compile(
 )
 """Phrases that a reader reads twice, in texts for users."""
 
-Counts = dict[str, dict[str, int]]
 
-
-def counts() -> Counts:
+def counts():
     """Kind → room → count: bindings of `one`, bindings of the other names, openings of docstrings, and
     stumbles in texts for users."""
-    found: dict[str, Counter[str]] = {kind: Counter() for kind in ("one", "names", "openings", "stumbles")}
+    found = {kind: Counter() for kind in ("one", "names", "openings", "stumbles")}
     for path in [*modules(), *sorted((PROJECT / "tests").rglob("*.py"))]:
         room, nodes = _room(path), list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
         bound = Counter(name for name in _bound(nodes) if name in NAMES)
@@ -48,19 +45,19 @@ def counts() -> Counts:
     }
 
 
-def documents() -> list[Path]:
+def documents():
     """The documents for users, and the options of groups, whose comments they read."""
     folders = [PROJECT / "docs", PROJECT / "pipeline" / "reference", PROJECT / "stages"]
     marked = [PROJECT / "README.md", *(path for folder in folders for path in folder.rglob("*.md"))]
     return sorted([*marked, *(PROJECT / "conf").rglob("*.yaml")])
 
 
-def _room(path: Path) -> str:
+def _room(path):
     parts = path.relative_to(PROJECT).parts
     return "/".join(parts[:2]) if parts[0] in ("pipeline", "stages") and len(parts) > 2 else parts[0]
 
 
-def _bound(nodes: Sequence[ast.AST]) -> Iterator[str]:
+def _bound(nodes):
     """Each name that is given to a variable, a parameter or a function."""
     for node in nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -71,7 +68,7 @@ def _bound(nodes: Sequence[ast.AST]) -> Iterator[str]:
             yield node.name
 
 
-def _docstrings(nodes: Sequence[ast.AST]) -> Iterator[str]:
+def _docstrings(nodes):
     """The docstrings, also those below a constant or a field."""
     for node in nodes:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
@@ -80,7 +77,7 @@ def _docstrings(nodes: Sequence[ast.AST]) -> Iterator[str]:
                 yield text
 
 
-def _messages(nodes: Sequence[ast.AST]) -> Iterator[str]:
+def _messages(nodes):
     """The texts of a module that are no docstring: most of them are shown to users."""
     documentation = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     for node in nodes:
@@ -88,13 +85,12 @@ def _messages(nodes: Sequence[ast.AST]) -> Iterator[str]:
             yield node.value
 
 
-def limits() -> Counts:
+def limits():
     """The counts that may not grow."""
-    found: Counts = json.loads(LIMITS.read_text(encoding="utf-8"))
-    return found
+    return json.loads(LIMITS.read_text(encoding="utf-8"))
 
 
-def main() -> None:
+def main():
     before = limits() if LIMITS.exists() else None
     now = counts()
     if before:

@@ -54,7 +54,6 @@ def test_a_heavier_arm_is_told_by_its_masses_but_not_by_its_poses(built, tmp_pat
 
 
 def test_a_driver_that_fails_is_a_row(built):
-    """No engine of that name can be imported here."""
     (row,) = driven(Engine("none", "pybullet", ()), Path(sys.executable), "pendulum", built)
     assert row.wrong
     assert "pybullet" in row.said

@@ -66,12 +66,7 @@ def test_no_modules_import_each_other_in_a_circle():
     ] == []
 
 
-FLOORS = ("checks", "read", "usd", "sdf", "same")
-"""Rooms of `stages/validate` of which each may import those after it."""
-
-
 def test_no_variant_of_a_stage_imports_its_sibling():
-    """A source, a reader and a format stand alone."""
     problems = []
     for importer, target in imports().edges:
         rooms = room_of(importer), room_of(target)
@@ -125,30 +120,31 @@ def test_no_module_is_longer_than_can_be_read_at_once():
     assert {name: lines for name, lines in lengths.items() if lines > LINES} == {}
 
 
-def test_no_function_is_longer_than_a_screen():
-    problems = {
-        f"{name_of(path)}.{node.name}": node.end_lineno - node.lineno + 1
-        for path in modules()
-        for node in ast.walk(parsed(path))
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-        and node.end_lineno - node.lineno + 1 > FUNCTION_LINES
-    }
+@cache
+def functions():
+    """Every function of the product, with its name."""
+    kinds = ast.FunctionDef | ast.AsyncFunctionDef
+    trees = {name_of(path): parsed(path) for path in modules()}
+    return [
+        (f"{name}.{node.name}", node)
+        for name, tree in trees.items()
+        for node in ast.walk(tree)
+        if isinstance(node, kinds)
+    ]
+
+
+def test_no_function_is_longer_than_a_screen_or_has_too_many_parameters():
+    problems = {}
+    for name, node in functions():
+        lines, spec = node.end_lineno - node.lineno + 1, node.args
+        named = [*spec.posonlyargs, *spec.args, *spec.kwonlyargs, spec.vararg, spec.kwarg]
+        parameters = len([argument for argument in named if argument is not None])
+        if lines > FUNCTION_LINES or parameters > PARAMETERS:
+            problems[name] = lines, parameters
     assert problems == {}
 
 
-def test_no_function_has_more_parameters_than_can_be_told_apart():
-    numbers = {}
-    for path in modules():
-        for node in ast.walk(parsed(path)):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                spec = node.args
-                arguments = [*spec.posonlyargs, *spec.args, *spec.kwonlyargs, spec.vararg, spec.kwarg]
-                numbers[f"{name_of(path)}.{node.name}"] = len(
-                    [argument for argument in arguments if argument is not None]
-                )
-    assert {name: number for name, number in numbers.items() if number > PARAMETERS} == {}
-
-
+@cache
 def late_imports(path):
     """The lines of a module's imports inside functions."""
     functions = [n for n in ast.walk(parsed(path)) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
@@ -175,7 +171,6 @@ def test_each_import_inside_of_a_function_has_a_reason():
 
 
 def test_no_module_is_imported_by_a_name_that_is_put_together():
-    """An editor cannot follow it."""
     problems = [
         f"{name_of(path)}:{node.lineno}"
         for path in modules()
@@ -202,18 +197,6 @@ def test_only_the_room_of_onshape_knows_its_rest_api(words):
     room = PROJECT / "stages" / "fetch" / "onshape"
     speakers = [name_of(path) for path in modules() if any(words in text for text in texts(path))]
     assert [name for name in speakers if not (PROJECT / Path(*name.split("."))).is_relative_to(room)] == []
-
-
-@pytest.mark.parametrize(("question", "answer"), [
-    ("where mates become joints", "stages/graph/onshape/mates/joints.py"),
-    ("where HTTP is spoken", "stages/fetch/onshape/api/transport.py"),
-    ("where a URDF is parsed", "stages/formats/urdf/parse.py"),
-    ("where loops are closed in MJCF", "stages/export/mjcf/loops.py"),
-    ("where a collider is chosen", "stages/mesh/collide/choices.py"),
-    ("where a check is defined", "stages/validate/checks/__init__.py"),
-])  # fmt: skip
-def test_a_name_answers_what_a_stranger_asks(question, answer):
-    assert (PROJECT / answer).is_file(), question
 
 
 def test_the_picture_of_the_floors_is_that_of_the_imports():

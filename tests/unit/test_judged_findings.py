@@ -50,7 +50,6 @@ def test_a_judgement_says_one_thing(ending, tmp_path):
 
 
 def test_what_was_looked_at_is_all_true():
-    """A false alarm is mended, or has a place in the file until it is."""
     rulings = judgements(FILE)
     assert rulings
     assert all(verdict.true and verdict.why for verdict in rulings)

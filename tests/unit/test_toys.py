@@ -48,19 +48,13 @@ class Tree:
         assert not file.exists()
         file.write_text(text, encoding="utf-8")
 
-    def add_line(self, path, before, line):
-        """Adds a line to a table, in front of the one that is the text `before`."""
+    def add_line(self, path, place, line, behind=False):
+        """Adds a line to a table in front of the one that is the text `place`, or behind it."""
         file = self.folder / path
         text = file.read_text(encoding="utf-8")
-        assert text.count(f"\n{before}\n") == 1
-        file.write_text(text.replace(f"\n{before}\n", f"\n{line}\n{before}\n"), encoding="utf-8")
-
-    def add_after(self, path, before, line):
-        """Adds a line behind the one that is the text `before`."""
-        file = self.folder / path
-        text = file.read_text(encoding="utf-8")
-        assert text.count(f"\n{before}\n") == 1
-        file.write_text(text.replace(f"\n{before}\n", f"\n{before}\n{line}\n"), encoding="utf-8")
+        assert text.count(f"\n{place}\n") == 1
+        both = f"\n{place}\n{line}\n" if behind else f"\n{line}\n{place}\n"
+        file.write_text(text.replace(f"\n{place}\n", both), encoding="utf-8")
 
     def run(self, *arguments):
         """The output of Python in the copy."""
@@ -74,12 +68,8 @@ class Tree:
         """The folder of a build in which every check passed."""
         output = self.folder.parent / "built"
         # The installed command would run the product as it is, not its copy.
-        self.run(
-            "-c",
-            "import sys; from linkwright.pipeline.cli import main; sys.exit(main())",
-            *overrides,
-            f"output={output}",
-        )
+        code = "import sys; from linkwright.pipeline.cli import main; sys.exit(main())"
+        self.run("-c", code, *overrides, f"output={output}")
         return output
 
     def check_goldens(self, toy):
@@ -261,26 +251,15 @@ import numpy as np
 from linkwright.stages.robot.model.poses import inverse, motion
 from linkwright.stages.validate.model.mass_properties import MassProperties
 from linkwright.stages.validate.same.read_robot import (
-    AttributeNames,
-    FoundMimic,
-    FoundPose,
-    Poses,
-    ReadRobot,
-    UnreadableFile,
-    FoundJoint,
+    AttributeNames, FoundJoint, FoundMimic, FoundPose, Poses, ReadRobot, UnreadableFile
 )
 from linkwright.stages.validate.read.run import run_checks
 
 
 class ReadToy(ReadRobot):
     attribute_names = AttributeNames(
-        mass="mass",
-        com="com",
-        inertia="inertia ",
-        axis="axis",
-        place=("place", "place"),
-        mimic=("factor", "offset"),
-        numbers={},
+        mass="mass", com="com", inertia="inertia ", axis="axis", place=("place", "place"),
+        mimic=("factor", "offset"), numbers={},
     )
 
     def __init__(self, path, written):
@@ -295,11 +274,8 @@ class ReadToy(ReadRobot):
         return {"link": self.toy["links"].keys(), "joint": self.toy["joints"].keys()}
 
     def names_expected(self):
-        robot = self.robot
-        return {
-            "link": {link.name for link in robot.links},
-            "joint": {joint.name for joint in robot.joints},
-        }
+        links, joints = self.robot.links, self.robot.joints
+        return {"link": {link.name for link in links}, "joint": {joint.name for joint in joints}}
 
     def mass_properties(self, link):
         own = self.toy["links"][link]
@@ -308,7 +284,7 @@ class ReadToy(ReadRobot):
     def poses(self, q):
         found = {self.robot.root.name: np.eye(4)}
         for joint in self.toy["joints"].values():
-            pose = found[joint["parent"]] @ np.array(joint["place"])
+            pose = found[joint["parent"]] @ np.array(joint["parent_from_joint"])
             found[joint["child"]] = pose @ self._chain(joint["dofs"], q)
         return Poses(found, {})
 
@@ -320,7 +296,8 @@ class ReadToy(ReadRobot):
         return pose
 
     def parent(self, link):
-        return next((one["parent"] for one in self.toy["joints"].values() if one["child"] == link), "")
+        joints = self.toy["joints"].values()
+        return next((joint["parent"] for joint in joints if joint["child"] == link), "")
 
     def joints(self):
         for joint in self.robot.joints:
@@ -328,8 +305,9 @@ class ReadToy(ReadRobot):
             for dof in joint.dofs:
                 own = dofs[dof.name]
                 scalar = dof.kind in ("turn", "slide")
-                low, high = own["limits"]
-                numbers = {"lower": low, "upper": high, "damping": own["damping"]} if scalar else {}
+                low, high = own["interval"]
+                damping = own["damping"] or 0.0
+                numbers = {"lower": low, "upper": high, "damping": damping} if scalar else {}
                 element = self.element("joint", dof.name)
                 yield FoundJoint(dof.name, element, own["kind"], (dof.kind,), dof, numbers)
 
@@ -338,8 +316,10 @@ class ReadToy(ReadRobot):
 
     def loop_poses(self, loop, q):
         own = self.toy["loops"][loop.name]
-        for link, end, frame in (("a", own["a"], loop.a_from_frame), ("b", own["b"], loop.b_from_frame)):
-            yield FoundPose(f'loop "{loop.name}"', (link, link), np.array(end), frame)
+        for link in "ab":
+            frame = getattr(loop, f"{link}_from_frame")
+            place = np.array(own[f"{link}_from_frame"])
+            yield FoundPose(f'loop "{loop.name}"', (link, link), place, frame)
 
 
 def check_file(path, written, quick):
@@ -348,6 +328,8 @@ def check_file(path, written, quick):
 
 PROOF = """\
 import json, sys
+from functools import reduce
+from operator import attrgetter
 from pathlib import Path
 from linkwright.stages.formats.described import described
 from linkwright.stages.targets.section import TargetSection
@@ -356,56 +338,45 @@ from linkwright.stages.validate import run
 folder = Path(sys.argv[1])
 written = described((folder / "robot.json").read_bytes()).written
 robot = written.robot
+
+
+def facts(value, *names):
+    '''The values of an object's attributes: of `inertial.mass` under the name `mass`.'''
+    rows = {name.rpartition(".")[2]: attrgetter(name)(value) for name in names}
+    return {name: row.tolist() if hasattr(row, "tolist") else row for name, row in rows.items()}
+
+
 toy = {
     "links": {
-        link.name: {
-            "mass": link.inertial.mass,
-            "com": link.inertial.com.tolist(),
-            "inertia": link.inertial.inertia.tolist(),
-        }
-        for link in robot.links
+        link.name: facts(link, "inertial.mass", "inertial.com", "inertial.inertia") for link in robot.links
     },
     "joints": {
         joint.name: {
-            "parent": joint.parent,
-            "child": joint.child,
-            "place": joint.parent_from_joint.tolist(),
+            **facts(joint, "parent", "child", "parent_from_joint"),
             "dofs": [
-                {
-                    "name": dof.name,
-                    "kind": dof.kind,
-                    "axis": dof.axis.tolist(),
-                    "origin": dof.origin.tolist(),
-                    "limits": dof.limits.interval,
-                    "damping": dof.dynamics.damping or 0.0,
-                }
+                facts(dof, "name", "kind", "axis", "origin", "limits.interval", "dynamics.damping")
                 for dof in joint.dofs
             ],
         }
         for joint in robot.joints
     },
-    "relations": [[one.follower, one.driver, one.multiplier, one.offset] for one in robot.relations],
-    "loops": {
-        loop.name: {"a": loop.a_from_frame.tolist(), "b": loop.b_from_frame.tolist()} for loop in robot.loops
-    },
+    "relations": [[row.follower, row.driver, row.multiplier, row.offset] for row in robot.relations],
+    "loops": {loop.name: facts(loop, "a_from_frame", "b_from_frame") for loop in robot.loops},
 }
 
 
 def failed(text):
     (folder / f"{robot.name}.toy").write_text(text)
     results = run.check_formats(folder, written, TargetSection(), quick=False)
-    return [
-        check.name.partition(": ")[2] for check in results if ".toy:" in check.name and not check.passed
-    ]
+    wrong = [check.name for check in results if not check.passed]
+    return [name.partition(": ")[2] for name in wrong if ".toy:" in name]
 
 
 def changed(*path):
     other = json.loads(json.dumps(toy))
     *above, last = path
-    place = other
-    for key in above:
-        place = place[key]
-    place[last] += 0.01
+    place = reduce(lambda part, key: part[key], above, other)
+    place[last] = (place[last] or 0.0) + 0.01
     return failed(json.dumps(other))
 
 
@@ -415,9 +386,9 @@ print(json.dumps({
     "none": failed(json.dumps(toy)),
     "text": failed("nothing"),
     "mass": changed("links", link, "mass"),
-    "place": changed(*joint, "place", 0, 3),
+    "place": changed(*joint, "parent_from_joint", 0, 3),
     "damping": changed(*joint, "dofs", 0, "damping"),
-    "loop": changed("loops", loop, "a", 0, 3),
+    "loop": changed("loops", loop, "a_from_frame", 0, 3),
 }))
 """
 
@@ -462,17 +433,21 @@ print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]
 @pytest.mark.slow
 def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree):
     """The density of a link's material, which reaches robot.json and is read back, the MJCF and the page."""
-    tree.add_after(
-        "stages/robot/model/robot.py", "    shapes: tuple[Primitive, ...] = ()", "    density: float = 2712.5"
+    tree.add_line(
+        "stages/robot/model/robot.py",
+        "    shapes: tuple[Primitive, ...] = ()",
+        "    density: float = 2712.5",
+        behind=True,
     )
     records = "stages/formats/robot_json/links.py"
-    tree.add_after(records, "    shapes: tuple[LinkShapeRecord, ...]", "    density: Number")
+    tree.add_line(records, "    shapes: tuple[LinkShapeRecord, ...]", "    density: Number", behind=True)
     meaning = "    density: density of its material [kg/m³]."
-    tree.add_after(records, "    shapes: shapes of the user's own.", meaning)
-    tree.add_after(
+    tree.add_line(records, "    shapes: shapes of the user's own.", meaning, behind=True)
+    tree.add_line(
         "stages/export/mjcf/bodies.py",
         "        axes = None if frame is None else frame.body_from_inertial",
         '        body.set("user", number(link.density))',
+        behind=True,
     )
     tree.add_line(
         "stages/show/graph_view/tables.py",

@@ -5,7 +5,6 @@ Nothing here asks the product: files are read as XML and JSON, and simulated by 
 """
 
 import json
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,8 +12,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from lxml import etree
-
-Point = Callable[["Built"], Iterator[str]]
 
 
 @dataclass(frozen=True)
@@ -27,53 +24,53 @@ class Built:
     cad: bool = True
 
     @cached_property
-    def report(self) -> dict:
+    def report(self):
         return json.loads((self.folder / "report.json").read_text())
 
     @cached_property
-    def robot(self) -> dict:
+    def robot(self):
         return json.loads((self.folder / "robot.json").read_text())
 
     @property
-    def as_its_file(self) -> bool:
+    def as_its_file(self):
         """Whether the source is an MJCF, whose order, bodies, colliders and options stay."""
         return "mjcf" in self.robot
 
     @property
-    def path(self) -> Path:
+    def path(self):
         return self.folder / f"{self.robot['name']}.xml"
 
     @cached_property
-    def xml(self) -> etree._Element:
+    def xml(self):
         return etree.parse(str(self.path)).getroot()
 
     @cached_property
-    def scene_xml(self) -> etree._Element:
+    def scene_xml(self):
         return etree.parse(str(self.folder / "scene.xml")).getroot()
 
     @cached_property
-    def model(self) -> mujoco.MjModel:
+    def model(self):
         """The robot alone."""
         return mujoco.MjModel.from_xml_path(str(self.path))
 
     @cached_property
-    def scene(self) -> mujoco.MjModel:
+    def scene(self):
         """The robot in its world."""
         return mujoco.MjModel.from_xml_path(str(self.folder / "scene.xml"))
 
     @cached_property
-    def messages(self) -> str:
+    def messages(self):
         """The messages of the build's diagnostics, a line each."""
         return "\n".join(diagnostic["message"] for diagnostic in self.report["diagnostics"])
 
     @property
-    def dofs(self) -> dict[str, dict]:
+    def dofs(self):
         """The dofs of the tree and of the loops, by name."""
         return {
             dof["name"]: dof for joint in self.robot["joints"] + self.robot["loops"] for dof in joint["dofs"]
         }
 
-    def at_home(self) -> mujoco.MjData:
+    def at_home(self):
         """The scene at `home`, with its controls."""
         data = mujoco.MjData(self.scene)
         mujoco.mj_resetDataKeyframe(self.scene, data, self.scene.key("home").id)
@@ -81,10 +78,10 @@ class Built:
         return data
 
 
-def roles(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+def roles(model):
     """The geoms that are seen and those that collide, by their group."""
     return np.flatnonzero(model.geom_group == 2), np.flatnonzero(model.geom_group == 3)
 
 
-def names(model: mujoco.MjModel, kind: str, count: int) -> list[str]:
+def names(model, kind, count):
     return [getattr(model, kind)(index).name for index in range(count)]

@@ -1,14 +1,13 @@
 """The points that the compiled model shows."""
 
 import re
-from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 from lxml import etree
 
 from linkwright.stages.mujoco.warnings import collected_warnings
-from tests.support.checklist import Built, names, roles
+from tests.support.checklist import names, roles
 
 HULL = 64
 PIECES = 16
@@ -18,7 +17,7 @@ CLOSED = 1e-6
 HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
-def compiles(built: Built) -> Iterator[str]:
+def compiles(built):
     """1: from any folder, without a warning."""
     for path in (built.path, built.folder / "scene.xml"):
         with collected_warnings() as heard:
@@ -26,7 +25,7 @@ def compiles(built: Built) -> Iterator[str]:
         yield from (f"{path.name}: {warning}" for warning in heard)
 
 
-def roles_of_geoms(built: Built) -> Iterator[str]:
+def roles_of_geoms(built):
     """5: what is seen touches nothing, what collides is not seen."""
     model = built.model
     seen, solid = roles(model)
@@ -38,7 +37,7 @@ def roles_of_geoms(built: Built) -> Iterator[str]:
         yield "a collider does not meet the ground"
 
 
-def colliders(built: Built) -> Iterator[str]:
+def colliders(built):
     """6: each body that is seen collides, or the build says that it does not; an MJCF's as it has them."""
     if built.as_its_file:
         return
@@ -50,7 +49,7 @@ def colliders(built: Built) -> Iterator[str]:
             yield f"{name} has no collider, and nobody says so"
 
 
-def inertias(built: Built) -> Iterator[str]:
+def inertias(built):
     """8 and 11: bodies that can exist, none too light for the one it hangs on."""
     model = built.model
     for index in range(1, model.nbody):
@@ -63,14 +62,14 @@ def inertias(built: Built) -> Iterator[str]:
             yield f"{name} weighs {mass}, what it hangs on {model.body_mass[above]}"
 
 
-def total_mass(built: Built) -> Iterator[str]:
+def total_mass(built):
     """10: the mass is that of the source."""
     mass = float(built.model.body_mass.sum())
     if built.mass is not None and abs(mass - built.mass) > 1e-9 * built.mass:
         yield f"{mass} kg, not {built.mass}"
 
 
-def every_body_moves(built: Built) -> Iterator[str]:
+def every_body_moves(built):
     """12 and 13: no body without a joint but the root; each link and frame is a body or a site."""
     model = built.model
     for index in range(1, model.nbody):
@@ -81,7 +80,7 @@ def every_body_moves(built: Built) -> Iterator[str]:
     yield from (f"{name} is lost" for name in wanted if name not in there)
 
 
-def limits(built: Built) -> Iterator[str]:
+def limits(built):
     """14: each joint has the limits of its source, and `home` is within."""
     model = built.model
     for index in range(model.njnt):
@@ -97,7 +96,7 @@ def limits(built: Built) -> Iterator[str]:
             yield f"{name}: {value} at home, range {low} to {high}"
 
 
-def named(built: Built) -> Iterator[str]:
+def named(built):
     """17: all that a user refers to has a name, in letters that all formats take."""
     model = built.model
     counts = {"body": model.nbody, "joint": model.njnt, "actuator": model.nu, "site": model.nsite}
@@ -114,7 +113,7 @@ def named(built: Built) -> Iterator[str]:
         yield f"links and joints of one name: {both}"
 
 
-def keyframe(built: Built) -> Iterator[str]:
+def keyframe(built):
     """19: `home` is a pose, with controls."""
     key, model = built.scene.key("home"), built.scene
     if len(key.qpos) != model.nq or len(key.ctrl) != model.nu:
@@ -126,7 +125,7 @@ def keyframe(built: Built) -> Iterator[str]:
                 yield f"{model.joint(index).name}: a quaternion that is none"
 
 
-def pieces(built: Built) -> Iterator[str]:
+def pieces(built):
     """23 and 24: few pieces and vertices, with the errors of each collider."""
     model = built.model
     _, solid = roles(model)
@@ -140,14 +139,14 @@ def pieces(built: Built) -> Iterator[str]:
             yield f"{row['parts']}: nobody knows how near its collider is"
 
 
-def option(built: Built) -> Iterator[str]:
+def option(built):
     """27: the file says how it is to be simulated; an MJCF as before."""
     said = built.xml.find("option").attrib
     if (said.get("integrator") != "implicitfast" and not built.as_its_file) or "timestep" not in said:
         yield str(dict(said))
 
 
-def placement(built: Built) -> Iterator[str]:
+def placement(built):
     """28: a free base has a joint with a name, and stands on the ground; a fixed one has none."""
     model = built.scene
     free = [index for index in range(model.njnt) if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_FREE]
@@ -162,7 +161,7 @@ def placement(built: Built) -> Iterator[str]:
         yield f"the lowest collider is {lowest} m above the ground"
 
 
-def equalities(built: Built) -> Iterator[str]:
+def equalities(built):
     """30: loops and relations hold in the first pose and at `home`."""
     model = built.model
     data = mujoco.MjData(model)
@@ -175,7 +174,7 @@ def equalities(built: Built) -> Iterator[str]:
             yield f"an equality is {off} off"
 
 
-def both_formats(built: Built) -> Iterator[str]:
+def both_formats(built):
     """32: MuJoCo reads the URDF as the same robot."""
     path = built.folder / f"{built.robot['name']}.urdf"
     root = etree.parse(str(path)).getroot()

@@ -1,11 +1,8 @@
 """The points that a simulation shows, of a robot with servos."""
 
-from collections.abc import Iterator
-
 import mujoco
 import numpy as np
 
-from tests.support.checklist import Built
 from tests.support.checklist.compiled import HINGE, SLIDE
 
 DEEPEST = 1e-3
@@ -14,7 +11,7 @@ RANK = 1e-6
 SECONDS = 2.0
 
 
-def driven(built: Built) -> Iterator[str]:
+def driven(built):
     """15: what is driven has inertia of its rotor, friction, and one limit of its force."""
     model = built.model
     for index in range(model.nu):
@@ -29,7 +26,7 @@ def driven(built: Built) -> Iterator[str]:
             yield f"{name}: its force is limited twice"
 
 
-def independent(built: Built) -> Iterator[str]:
+def independent(built):
     """16: as many actuators as the robot has independent hinges and slides, each with gains, within its
     range and as far beyond it as a keyframe needs to hold the weight."""
     model = built.model
@@ -65,7 +62,7 @@ def independent(built: Built) -> Iterator[str]:
                 yield f"{name}: controls {low} to {high}, range {least} to {most}"
 
 
-def no_contacts(built: Built) -> Iterator[str]:
+def no_contacts(built):
     """19 and 22: at `home` nothing is in the way, but for what the build names."""
     data, model = built.at_home(), built.scene
     for contact in data.contact:
@@ -74,7 +71,7 @@ def no_contacts(built: Built) -> Iterator[str]:
             yield f"{first} and {other}: {contact.dist} m"
 
 
-def excludes(built: Built) -> Iterator[str]:
+def excludes(built):
     """22: each exclude has its reason in the report."""
     model = built.model
     rows = {tuple(sorted(row["links"])) for row in built.report["details"].get("excludes", ())}
@@ -84,7 +81,7 @@ def excludes(built: Built) -> Iterator[str]:
             yield f"{pair} are excluded, and nobody says why"
 
 
-def holds(built: Built) -> Iterator[str]:
+def holds(built):
     """20: two seconds at `home`: it rests where it is."""
     data, model = built.at_home(), built.scene
     start = data.qpos.copy()
@@ -101,7 +98,7 @@ def holds(built: Built) -> Iterator[str]:
         yield f"{model.joint(joints[index]).name} sags by {off[index]}"
 
 
-def control_noise(built: Built) -> Iterator[str]:
+def control_noise(built):
     """21: one second of random controls over their whole ranges."""
     data, model = built.at_home(), built.scene
     random = np.random.default_rng(7)
@@ -115,7 +112,7 @@ def control_noise(built: Built) -> Iterator[str]:
         yield "not a number"
 
 
-def _warnings(data: mujoco.MjData) -> Iterator[str]:
+def _warnings(data):
     yield from (f"warning {index}" for index in np.flatnonzero(data.warning.number))
 
 

@@ -2,13 +2,10 @@
 
 import hashlib
 import re
-from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 from lxml import etree
-
-from tests.support.checklist import Built
 
 FACES = 200_000
 """Faces that MuJoCo reads of an STL."""
@@ -21,7 +18,7 @@ NOISE = 1e-12
 """A number below this share of the largest of its attribute is noise."""
 
 
-def the_robot_alone(built: Built) -> Iterator[str]:
+def the_robot_alone(built):
     """2: the robot's file has no world; the scene has it all."""
     for element in built.xml.find("worldbody"):
         if element.tag in ("light", "camera"):
@@ -36,7 +33,7 @@ def the_robot_alone(built: Built) -> Iterator[str]:
             yield f"the scene has no {tag}"
 
 
-def paths(built: Built) -> Iterator[str]:
+def paths(built):
     """3: relative paths of files that are there; each file is used."""
     compiler = built.xml.find("compiler")
     if compiler.get("angle") != "radian":
@@ -61,7 +58,7 @@ def paths(built: Built) -> Iterator[str]:
         yield f"{file}: nothing uses it"
 
 
-def classes(built: Built) -> Iterator[str]:
+def classes(built):
     """4: classes for what is seen and what collides; geoms repeat nothing that these say."""
     (root,) = built.xml.findall("default/default")
     names = {default.get("class") for default in root.iterfind("default")}
@@ -78,11 +75,11 @@ def classes(built: Built) -> Iterator[str]:
             yield f"{joint.get('name')}: no class"
 
 
-def nothing_twice(built: Built) -> Iterator[str]:
+def nothing_twice(built):
     """4: no attribute repeats what the element's class says."""
-    said: dict[tuple[str, str], dict[str, str]] = {}
+    said = {}
 
-    def read(element: etree._Element, above: str | None) -> None:
+    def read(element, above):
         name = element.get("class")
         for child in element:
             if child.tag != "default":
@@ -103,7 +100,7 @@ def nothing_twice(built: Built) -> Iterator[str]:
                 yield f"{element.tag} {element.get('name')}: {key} is that of its class"
 
 
-def inertials(built: Built) -> Iterator[str]:
+def inertials(built):
     """7 and 11: each body says its inertia, and all by the same convention."""
     spellings = set()
     for body in built.xml.iterfind(".//worldbody//body"):
@@ -119,7 +116,7 @@ def inertials(built: Built) -> Iterator[str]:
         yield "some inertias are diagonal, some are full"
 
 
-def orders(built: Built) -> Iterator[str]:
+def orders(built):
     """18: actuators are named by their joints, in the tree's order, which the URDF's joints have too; an
     MJCF's are in its own order."""
     tree = [joint.get("name") for joint in built.xml.iterfind(".//worldbody//joint")]
@@ -136,9 +133,9 @@ def orders(built: Built) -> Iterator[str]:
         yield "the URDF's joints come in another order"
 
 
-def assets(built: Built) -> Iterator[str]:
+def assets(built):
     """25: STL files that MuJoCo reads whole, none twice."""
-    digests: dict[str, str] = {}
+    digests = {}
     for path in sorted((built.folder / "assets").glob("*")):
         data = path.read_bytes()
         first = digests.setdefault(hashlib.sha256(data).hexdigest(), path.name)
@@ -150,7 +147,7 @@ def assets(built: Built) -> Iterator[str]:
                 yield f"{path.name}: {faces} faces in {len(data)} bytes"
 
 
-def materials(built: Built) -> Iterator[str]:
+def materials(built):
     """26: colours are named materials, shared."""
     colours = [material.get("rgba") for material in built.xml.iterfind("asset/material[@rgba]")]
     if len(colours) != len(set(colours)):
@@ -160,7 +157,7 @@ def materials(built: Built) -> Iterator[str]:
             yield f"{geom.get('name') or geom.get('mesh')}: a colour without a name"
 
 
-def numbers(built: Built) -> Iterator[str]:
+def numbers(built):
     """33: no noise beside large numbers, no negative zero."""
     for element in (*built.xml.iter(), *built.scene_xml.iter()):
         for key, text in element.attrib.items():
@@ -174,7 +171,7 @@ def numbers(built: Built) -> Iterator[str]:
                 yield f"{element.tag} {key}: {text}"
 
 
-def round_trip(built: Built) -> Iterator[str]:
+def round_trip(built):
     """34: what MuJoCo writes of the file compiles to the same model."""
     spec = mujoco.MjSpec.from_file(str(built.path))
     first = spec.compile()
@@ -198,11 +195,11 @@ def round_trip(built: Built) -> Iterator[str]:
             yield f"{key}: {apart}"
 
 
-def _files(built: Built) -> dict[str, bytes]:
+def _files(built):
     return {path.name: path.read_bytes() for path in (built.folder / "assets").glob("*")}
 
 
-def derivation(built: Built) -> Iterator[str]:
+def derivation(built):
     """35: each parameter of a joint says where it comes from."""
     for name, dof in built.dofs.items():
         for key in ("damping", "friction", "armature", "effort", "velocity"):

@@ -1,24 +1,18 @@
 """Faults of a build's mesh files."""
 
-import random
 import shutil
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from tests.support.faults.edits import file_of, holder
-from tests.support.faults.fault import Files, NothingToChange, Plant, table
+from tests.support.faults.fault import NothingToChange, table
 from tests.support.faults.mjcf import of_geom
 
-Edit = Callable[[Path, random.Random], object]
 
-
-def stl(edit: Edit) -> Plant:
+def stl(edit):
     """Edits a mesh. Findings name it by its name or its file, or a geom or a link that has it."""
 
-    def plant(files: Files, rng: random.Random) -> tuple[str, ...]:
+    def plant(files, rng):
         path = file_of(files.folder, "assets/*.stl", rng)
         edit(path, rng)
         geoms = files.tree("mjcf").xpath("//body/geom[@mesh = $name][@name]", name=path.stem)
@@ -29,10 +23,10 @@ def stl(edit: Edit) -> Plant:
     return plant
 
 
-def corners(change: Callable[[Any, random.Random], Any]) -> Edit:
+def corners(change):
     """Other corners, of (N, 3), in a binary STL."""
 
-    def edit(path: Path, rng: random.Random) -> None:
+    def edit(path, rng):
         data = bytearray(path.read_bytes())
         faces = np.frombuffer(data, dtype=np.dtype([("floats", "<f4", 12), ("rest", "<u2")]), offset=84)
         faces["floats"][:, 3:] = change(faces["floats"][:, 3:].reshape(-1, 3), rng).reshape(-1, 9)
@@ -41,7 +35,7 @@ def corners(change: Callable[[Any, random.Random], Any]) -> Edit:
     return edit
 
 
-def another(path: Path, rng: random.Random) -> None:
+def another(path, rng):
     size = path.stat().st_size
     different = [other for other in sorted(path.parent.glob("*.stl")) if other.stat().st_size != size]
     if not different:
@@ -49,7 +43,7 @@ def another(path: Path, rng: random.Random) -> None:
     shutil.copy(rng.choice(different), path)
 
 
-def first_half(path: Path, _: random.Random) -> None:
+def first_half(path, _):
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 

@@ -1,16 +1,15 @@
 """Faults of the arm's URDF and MJCF (`arm`), which are seen without a robot to compare with."""
 
-import random
 import re
 
 from tests.support.faults.edits import swap
-from tests.support.faults.fault import Files, Plant, table
+from tests.support.faults.fault import table
 
 
-def everywhere(pattern: str, new: str, element: str) -> Plant:
+def everywhere(pattern, new, element):
     """Replaces all that matches."""
 
-    def plant(files: Files, rng: random.Random) -> str:
+    def plant(files, rng):
         whole = files.path.read_text()
         assert re.search(pattern, whole), pattern
         files.path.write_text(re.sub(pattern, new, whole))
@@ -19,7 +18,7 @@ def everywhere(pattern: str, new: str, element: str) -> Plant:
     return plant
 
 
-def more(tag: str, text: str, element: str) -> Plant:
+def more(tag, text, element):
     """Adds a text before the last tag of a name."""
     return swap(tag, text + tag, element)
 
@@ -98,7 +97,7 @@ MOTOR, LOOP = 'position "shoulder"', 'connect "loop"'
 COLLIDER = '<geom name="upper" class="collision" pos="0 0 0.1"/>'
 
 
-def sensor(text: str, element: str) -> Plant:
+def sensor(text, element):
     return more("<keyframe>", f"<sensor>{text}</sensor>", element)
 
 

@@ -4,10 +4,10 @@
 """
 
 from tests.support.faults.edits import sub, swap
-from tests.support.faults.fault import Plant, table
+from tests.support.faults.fault import table
 
 
-def first(pattern: str, value: str = "0.111") -> Plant:
+def first(pattern, value="0.111"):
     """Another first number in the attribute that `pattern` ends in."""
     return sub(f'({pattern}=")[^ "]+', rf"\g<1>{value}")
 
@@ -53,7 +53,7 @@ ANY_JOINT = [
 """Faults of a robot with all types of joints and loops; a check of the file that is named fails."""
 
 
-def within(tag: str, name: str, pattern: str, new: str) -> Plant:
+def within(tag, name, pattern, new):
     """Changes what matches in the element with a tag and a name."""
     return sub(pattern, new, inside=rf'<{tag} name="{name}".*?</{tag}>')
 

@@ -6,13 +6,11 @@ faults. What a finding must name is an element of the file, and one of some attr
 
 import random
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from lxml import etree
-
-from linkwright.stages.robot.check import Check
 
 Element = etree._Element
 
@@ -40,21 +38,21 @@ class Files:
     trees: dict[str, Element] = field(default_factory=dict)
 
     @property
-    def path(self) -> Path:
+    def path(self):
         return self.folder / PLACES[self.file].format(self.name)
 
     @property
-    def root(self) -> Element:
+    def root(self):
         """The root of the file in which the fault is planted."""
         return self.tree(self.file)
 
-    def tree(self, file: str) -> Element:
+    def tree(self, file):
         path = PLACES[file].format(self.name)
         if path not in self.trees:
             self.trees[path] = etree.parse(self.folder / path).getroot()
         return self.trees[path]
 
-    def save(self) -> None:
+    def save(self):
         for path, root in self.trees.items():
             (self.folder / path).write_bytes(etree.tostring(root, xml_declaration=True, encoding="utf-8"))
 
@@ -91,18 +89,18 @@ class Fault:
     simcheck: str = ""
 
     @property
-    def codes(self) -> tuple[str, ...]:
+    def codes(self):
         return tuple(self.expects.partition(":")[0].split())
 
     @property
-    def attributes(self) -> tuple[str, ...]:
+    def attributes(self):
         return tuple(attribute.strip() for attribute in self.expects.partition(":")[2].split("|"))
 
     @property
-    def title(self) -> str:
+    def title(self):
         return f"{self.file}: {self.kind}"
 
-    def change(self, folder: Path, name: str, seed: int = 0) -> Planted:
+    def change(self, folder, name, seed=0):
         """Plants it in the files in a folder."""
         files = Files(folder, name, self.file)
         names = self.plant(files, random.Random(f"{self.kind} in {self.file}, {seed}"))
@@ -112,7 +110,7 @@ class Fault:
         return Planted((names,) if isinstance(names, str) else names, self.attributes)
 
 
-def table(file: str, *rows: tuple[str, Plant, str] | tuple[str, Plant, str, str]) -> list[Fault]:
+def table(file, *rows):
     """The faults of a file: `kind, plant, expects`, and simcheck's name of it where that plants it too.
     `expects`: codes, a colon, and attributes with bars between them."""
     return [Fault(kind, file, plant, *words) for kind, plant, *words in rows]
@@ -133,7 +131,7 @@ NEEDED = {
 """By where a fault is planted in a build: that file or folder, and what it is checked with."""
 
 
-def plant(fault: Fault, source: Path, name: str, folder: Path, seed: int, *, whole: bool = False) -> Planted:
+def plant(fault, source, name, folder, seed, *, whole=False):
     """Copies the build at `source` to `folder`, with a fault: the file in which it is, its assets and what it
     includes, or `whole`. NothingToChange where the build has no place for it."""
     if whole:
@@ -147,7 +145,7 @@ def plant(fault: Fault, source: Path, name: str, folder: Path, seed: int, *, who
     return fault.change(folder, name, seed)
 
 
-def catches(fault: Fault, planted: Planted, checks: Sequence[Check]) -> list[str]:
+def catches(fault, planted, checks):
     """The codes of the checks that did not pass and name what was planted, by element and attribute."""
     return [
         check.code

@@ -1,6 +1,5 @@
 """Faults of a build's MJCF: joints, bodies, inertials, geoms, meshes and names."""
 
-import random
 from pathlib import Path
 
 from lxml import etree
@@ -22,7 +21,7 @@ from tests.support.faults.edits import (
     turned_round,
     write,
 )
-from tests.support.faults.fault import Element, Files, NothingToChange, table
+from tests.support.faults.fault import NothingToChange, table
 from tests.support.faults.urdf import renamed, same_name
 
 JOINT = "//body/joint[@name]"
@@ -33,51 +32,51 @@ COLLIDER = "//body/geom[contains(@class, 'collision')]"
 VISUAL = "//body/geom[contains(@class, 'visual')]"
 
 
-def body(node: Element) -> str:
+def body(node):
     return named("body", node.getparent())
 
 
-def of_geom(geom: Element) -> tuple[str, ...]:
+def of_geom(geom):
     """A geom by its name, its body and its mesh; without a name, by the last two."""
     name = named("geom", geom) if geom.get("name") else body(geom)
     return name, body(geom), f'geom mesh "{geom.get("mesh")}"'
 
 
-def beside_its_axis(joint: Element, rng: random.Random) -> None:
+def beside_its_axis(joint, rng):
     axis, place = numbers(joint, "axis", "0 0 1"), [0.0, 0.0, 0.0]
     place[min(range(3), key=lambda at: abs(axis[at]))] = 0.001
     write(joint, "pos", place)
 
 
-def degrees(compiler: Element, rng: random.Random) -> tuple[str, ...]:
+def degrees(compiler, rng):
     compiler.set("angle", "degree")
     turning = compiler.xpath("//body/joint[@range][not(contains(@class, 'slide'))]")
     return tuple(named("joint", joint) for joint in turning)
 
 
-def another_type(joint: Element, rng: random.Random) -> None:
+def another_type(joint, rng):
     sliding = "slide" in (joint.get("type") or "") + (joint.get("class") or "")
     joint.set("type", "hinge" if sliding else "slide")
 
 
-def on_its_grandparent(node: Element, rng: random.Random) -> None:
+def on_its_grandparent(node, rng):
     node.getparent().getparent().append(node)
 
 
-def joint_added(body: Element, rng: random.Random) -> None:
+def joint_added(body, rng):
     etree.SubElement(body, "joint", name="more", type="slide")
     for key in body.xpath("//key[@qpos]"):
         key.set("qpos", key.get("qpos") + " 0")
 
 
-def renamed_with_references(joint: Element, rng: random.Random) -> None:
+def renamed_with_references(joint, rng):
     for key in ("joint", "joint1", "joint2"):
         for node in joint.xpath(f"//*[@{key} = $name]", name=joint.get("name")):
             node.set(key, node.get(key) + "_old")
     renamed(joint, rng)
 
 
-def is_turned(inertial: Element) -> bool:
+def is_turned(inertial):
     return 0.01 < abs(numbers(inertial, "quat")[0]) < 0.99
 
 
@@ -139,35 +138,35 @@ CONTACT = {
 """Attributes of a collider's contact, and other values than any robot here has."""
 
 
-def added_before(geom: Element, rng: random.Random) -> str:
+def added_before(geom, rng):
     geom.addprevious(etree.Element("geom", name="bumper", type="sphere", size="0.01"))
     return 'geom "bumper"'
 
 
-def added_after(geom: Element, rng: random.Random) -> str:
+def added_after(geom, rng):
     etree.SubElement(geom.getparent(), "geom", name="bumper", type="box", size="0.01 0.01 0.01")
     return 'geom "bumper"'
 
 
-def contact_of(root: Element) -> Element:
+def contact_of(root):
     contact = root.find("contact")
     return etree.SubElement(root, "contact") if contact is None else contact
 
 
-def few_points(geom: Element, rng: random.Random) -> str:
+def few_points(geom, rng):
     stem = geom.get("mesh")
     (mesh,) = (file for file in geom.xpath("//asset/mesh[@file]") if Path(file.get("file")).stem == stem)
     mesh.set("maxhullvert", "5")
     return f'mesh "{stem}"'
 
 
-def pair_of_colliders(files: Files, rng: random.Random) -> tuple[str, str]:
+def pair_of_colliders(files, rng):
     first, second = rng.sample(list(files.root.xpath(f"{COLLIDER}/@name")), 2)
     etree.SubElement(contact_of(files.root), "pair", geom1=first, geom2=second)
     return f'geom "{first}"', f'geom "{second}"'
 
 
-def of_another_part(files: Files, rng: random.Random) -> tuple[str, ...]:
+def of_another_part(files, rng):
     geom = pick(files.root.xpath("//body/geom[@mesh][contains(@class, 'visual')]"), rng)
     sizes = {path.stem: path.stat().st_size for path in (files.folder / "assets").glob("*.stl")}
     every = set(map(str, files.root.xpath(f"{VISUAL}/@mesh")))
@@ -178,7 +177,7 @@ def of_another_part(files: Files, rng: random.Random) -> tuple[str, ...]:
     return of_geom(geom)
 
 
-def in_millimetres(mesh: Element, rng: random.Random) -> tuple[str, ...]:
+def in_millimetres(mesh, rng):
     mesh.set("scale", "1000 1000 1000")
     stem = mesh.get("name") or Path(mesh.get("file")).stem
     geoms = mesh.xpath("//body/geom[@mesh = $stem]", stem=stem)

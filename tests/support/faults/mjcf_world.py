@@ -1,11 +1,9 @@
 """Faults of an MJCF's loops, relations, actuators, keyframes, sensors and excludes, and of its root."""
 
-import random
-
 from lxml import etree
 
 from tests.support.faults.edits import at, holder, moved, named, numbers, of, put, remove, write
-from tests.support.faults.fault import Element, Files, Names, NothingToChange, Plant, Planted, table
+from tests.support.faults.fault import NothingToChange, Planted, table
 from tests.support.faults.mjcf import contact_of
 
 LOOP = "//equality/connect | //equality/weld"
@@ -15,62 +13,62 @@ KEY = "//key[@qpos]"
 FRAME = "//site[@name][not(@name = //equality/*/@site1 | //equality/*/@site2)]"
 
 
-def with_its_loop(site: Element) -> tuple[str, str]:
+def with_its_loop(site):
     (connect, *_) = site.xpath("//connect[@site1 = $name or @site2 = $name]", name=site.get("name"))
     return named("site", site), named("connect", connect)
 
 
-def loop_removed(equality: Element, rng: random.Random) -> str:
+def loop_removed(equality, rng):
     remove(equality, rng)
     return f'connect "{equality.get("name").removesuffix("_axis")}"'
 
 
-def welded(files: Files, rng: random.Random) -> str:
+def welded(files, rng):
     first, second = rng.sample([node.get("name") for node in files.root.xpath("//body")], 2)
     etree.SubElement(files.root.find("equality"), "weld", name="glue", body1=first, body2=second)
     return 'weld "glue"'
 
 
-def slack(values: list[float], rng: random.Random) -> tuple[float, float]:
+def slack(values, rng):
     return rng.uniform(0.1, 0.5), 1.0
 
 
-def on_another_joint(motor: Element, rng: random.Random) -> None:
+def on_another_joint(motor, rng):
     joints = {str(name) for name in motor.xpath("//body/joint[@name][not(@type='ball')]/@name")}
     motor.set("joint", rng.choice(sorted(joints - {motor.get("joint")})))
 
 
-def motor_removed(motor: Element, rng: random.Random) -> None:
+def motor_removed(motor, rng):
     for key in motor.xpath("//key[@ctrl]"):
         key.set("ctrl", " ".join(key.get("ctrl").split()[:-1]))
     remove(motor, rng)
 
 
-def gear_turned_round(motor: Element, rng: random.Random) -> None:
+def gear_turned_round(motor, rng):
     motor.set("gear", f"{-numbers(motor, 'gear', '1')[0]:g}")
 
 
-def key_off(key: Element, rng: random.Random) -> None:
+def key_off(key, rng):
     values = numbers(key, "qpos")
     at = rng.randrange(7 if key.xpath("//freejoint") else 0, len(values))
     values[at] += rng.choice((-1, 1)) * rng.uniform(0.01, 0.5)
     write(key, "qpos", values)
 
 
-def control_off(values: list[float], rng: random.Random) -> list[float]:
+def control_off(values, rng):
     at = rng.randrange(len(values))
     values[at] += rng.uniform(0.01, 0.5)
     return values
 
 
-def moving(key: Element, rng: random.Random) -> None:
+def moving(key, rng):
     write(key, "qvel", [rng.uniform(0.1, 1) for _ in key.xpath("//body/joint")])
 
 
 SENSED = ("site", "joint", "actuator", "objname")
 
 
-def elsewhere(sensor: Element, rng: random.Random) -> Planted:
+def elsewhere(sensor, rng):
     key = next(key for key in SENSED if sensor.get(key))
     pool = {
         "site": "//body//site/@name",
@@ -85,13 +83,13 @@ def elsewhere(sensor: Element, rng: random.Random) -> Planted:
     return Planted((holder(sensor),), (key, "site", "objname"))
 
 
-def freejoint_removed(freejoint: Element, rng: random.Random) -> None:
+def freejoint_removed(freejoint, rng):
     for key in freejoint.xpath("//key"):
         key.set("qpos", " ".join(key.get("qpos").split()[7:]))
     remove(freejoint, rng)
 
 
-def freejoint_added(files: Files, rng: random.Random) -> str:
+def freejoint_added(files, rng):
     if files.root.find(".//freejoint") is not None:
         raise NothingToChange
     files.root.find("worldbody/body").insert(0, etree.Element("freejoint", name="floats"))
@@ -100,12 +98,12 @@ def freejoint_added(files: Files, rng: random.Random) -> str:
     return 'joint "floats"'
 
 
-def pair(node: Element) -> tuple[str, str]:
+def pair(node):
     first, second = node.get("body1"), node.get("body2")
     return f'exclude "{first}" "{second}"', f'exclude "{second}" "{first}"'
 
 
-def exclude_added(files: Files, rng: random.Random) -> tuple[str, str]:
+def exclude_added(files, rng):
     holder = contact_of(files.root)
     excluded = {frozenset((node.get("body1"), node.get("body2"))) for node in holder.iter("exclude")}
     solid = files.root.xpath("//body[geom[contains(@class, 'collision')]]")
@@ -124,10 +122,10 @@ def exclude_added(files: Files, rng: random.Random) -> tuple[str, str]:
     return pair(etree.SubElement(holder, "exclude", body1=first, body2=second))
 
 
-def of_root(change: object) -> Plant:
+def of_root(change):
     """Changes the body of the robot's root."""
 
-    def plant(files: Files, rng: random.Random) -> Names:
+    def plant(files, rng):
         body = files.root.find("worldbody/body")
         change(body, rng)  # type: ignore[operator]
         return named("body", body)
@@ -135,10 +133,10 @@ def of_root(change: object) -> Plant:
     return plant
 
 
-def of_home(start: int, change: tuple[float, ...], above: float = 0.0) -> Plant:
+def of_home(start, change, above=0.0):
     """Changes numbers of the free joint at `home`, from `start` on, or the height to `above` the root's."""
 
-    def plant(files: Files, rng: random.Random) -> str:
+    def plant(files, rng):
         if files.root.find(".//freejoint") is None:
             raise NothingToChange
         (key,) = files.root.xpath("//key[@name='home']")

@@ -1,9 +1,6 @@
 """The page of the faults, and of what finds each: `python -m tests.config.regenerate`."""
 
-from collections.abc import Iterable, Sequence
-
 from tests.support.faults import BARE, BUILD
-from tests.support.faults.fault import Fault
 
 PLACES = {
     "urdf": "URDF",
@@ -46,7 +43,7 @@ planted in an arm of three links, and must be found at its element and its attri
 """
 
 
-def markdown() -> str:
+def markdown():
     """The page."""
     counted = f"{len(BUILD)} kinds; {sum(bool(fault.simcheck) for fault in BUILD)} are marked.\n"
     marks = ["s" if fault.simcheck else "" for fault in BUILD]
@@ -55,11 +52,11 @@ def markdown() -> str:
     return "\n".join([INTRODUCTION, counted, *build, ALONE, f"{len(BARE)} kinds.\n", *bare]) + "\n"
 
 
-def _columns(faults: Sequence[Fault]) -> tuple[list[str], list[str], list[str]]:
+def _columns(faults):
     codes = [", ".join(f"`{code}`" for code in fault.codes) for fault in faults]
     return [fault.kind for fault in faults], [PLACES[fault.file] for fault in faults], codes
 
 
-def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+def _table(header, rows):
     lines = [header, ["---"] * len(header), *rows]
     return ["| " + " | ".join(line) + " |" for line in lines]

@@ -1,21 +1,19 @@
 """Faults of a build's Python package."""
 
-import random
-
 from tests.support.faults.edits import file_of, text
-from tests.support.faults.fault import Files, table
+from tests.support.faults.fault import table
 
 PACKAGE = "python/*_description"
 MODULE, PROJECT, MESHES = f"{PACKAGE}/__init__.py", "python/pyproject.toml", f"{PACKAGE}/*/assets/*.stl"
 
 
-def mesh_gone(files: Files, rng: random.Random) -> str:
+def mesh_gone(files, rng):
     mesh = file_of(files.folder, MESHES, rng)
     mesh.unlink()
     return f'file "{mesh.name}"'
 
 
-def mesh_changed(files: Files, rng: random.Random) -> str:
+def mesh_changed(files, rng):
     mesh = file_of(files.folder, MESHES, rng)
     data = bytearray(mesh.read_bytes())
     data[84 + 50 * rng.randrange((len(data) - 84) // 50) + 13] ^= 0x40
@@ -23,7 +21,7 @@ def mesh_changed(files: Files, rng: random.Random) -> str:
     return f'file "{mesh.name}"'
 
 
-def copy(file: str, pattern: str, new: str, element: str):
+def copy(file, pattern, new, element):
     return text(f"{PACKAGE}/*/{file}", pattern, new, element)
 
 

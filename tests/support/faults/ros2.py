@@ -1,9 +1,7 @@
 """Faults of a build's packages of ROS 2 and MoveIt."""
 
-import random
-
 from tests.support.faults.edits import file_of, text
-from tests.support.faults.fault import Files, NothingToChange, table
+from tests.support.faults.fault import NothingToChange, table
 
 PACKAGE, MOVEIT = "ros2/*_description", "ros2/*_moveit_config"
 CONTROLLERS = f"{PACKAGE}/config/controllers.yaml"
@@ -18,13 +16,13 @@ PARAMETERS = r"(?P<name>\w+):\n  ros__parameters:\n    joints: "
 JOINT = 'joint "${{prefix}}{joint}"'
 
 
-def mesh_gone(files: Files, rng: random.Random) -> str:
+def mesh_gone(files, rng):
     mesh = file_of(files.folder, f"{PACKAGE}/meshes/*.stl", rng)
     mesh.unlink()
     return f'file "{mesh.name}"'
 
 
-def mesh_of_another(files: Files, rng: random.Random) -> str:
+def mesh_of_another(files, rng):
     mesh, other = rng.sample(sorted(files.folder.glob(f"{PACKAGE}/meshes/*.stl")), 2)
     if mesh.read_bytes() == other.read_bytes():
         raise NothingToChange
@@ -32,7 +30,7 @@ def mesh_of_another(files: Files, rng: random.Random) -> str:
     return f'file "{mesh.name}"'
 
 
-def file_gone(files: Files, rng: random.Random) -> str:
+def file_gone(files, rng):
     paths = [path for path in files.folder.glob(f"{PACKAGE}/*/*") if path.suffix != ".stl"]
     rng.choice(sorted(paths)).unlink()
     return "file"

@@ -1,17 +1,15 @@
 """Faults of a build's scene."""
 
-import random
-
 from lxml import etree
 
 from tests.support.faults.edits import add, all_of, draw, put, remove
-from tests.support.faults.fault import Element, Files, table
+from tests.support.faults.fault import table
 
 
-def within(*tags: str, **attributes: str):
+def within(*tags, **attributes):
     """Adds elements in each other to the scene, the last with attributes."""
 
-    def change(root: Element, rng: random.Random) -> None:
+    def change(root, rng):
         for tag in tags[:-1]:
             root = etree.SubElement(root, tag)
         add(tags[-1], **attributes)(root, rng)
@@ -23,28 +21,28 @@ def option(**attributes):
     return all_of("/mujoco", add("option", **attributes), "option")
 
 
-def floor(**attributes: str):
+def floor(**attributes):
     return all_of("worldbody/geom[@name='floor']", put(**attributes), 'geom "floor"')
 
 
-def joint_held(files: Files, rng: random.Random) -> str:
+def joint_held(files, rng):
     joint = rng.choice(files.tree("mjcf").xpath("//body/joint/@name"))
     within("equality", "joint", joint1=joint)(files.root, rng)
     return "equality"
 
 
-def passing(files: Files, rng: random.Random) -> str:
+def passing(files, rng):
     first, second = rng.sample(files.tree("mjcf").xpath("//body/@name"), 2)
     within("contact", "exclude", body1=first, body2=second)(files.root, rng)
     return "exclude"
 
 
-def crate(world: Element, rng: random.Random) -> None:
+def crate(world, rng):
     size = f"{rng.uniform(0.08, 0.12):.3g}"
     etree.SubElement(world, "geom", name="crate", type="box", size=f"{size} {size} {size}", pos="0 0 0.3")
 
 
-def crate_of_its_own(world: Element, rng: random.Random) -> None:
+def crate_of_its_own(world, rng):
     body = etree.SubElement(world, "body", name="crate", pos="0 0 0.3")
     etree.SubElement(body, "geom", type="box", size="0.1 0.1 0.1")
 

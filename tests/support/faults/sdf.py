@@ -1,19 +1,17 @@
 """Faults of a build's SDF, and of the file by which Gazebo finds it."""
 
-import random
-
 from lxml import etree
 
 from tests.support.faults.edits import all_of, at, either, pick, put, remove
-from tests.support.faults.fault import Element, Planted, table
+from tests.support.faults.fault import Planted, table
 
 COLLISION, LINK = "//link/collision", "//link"
 
 
-def within(path: str, value):
+def within(path, value):
     """Puts a text into the element at the end of a path, whose elements are made where they are missing."""
 
-    def change(node: Element, rng: random.Random) -> None:
+    def change(node, rng):
         for tag in path.split("/"):
             child = node.find(tag)
             node = etree.SubElement(node, tag) if child is None else child
@@ -22,11 +20,11 @@ def within(path: str, value):
     return change
 
 
-def offset(before: str, low: float, high: float, after: str):
+def offset(before, low, high, after):
     return lambda rng: f"{before}{rng.uniform(low, high):.6g}{after}"
 
 
-def another_mesh(shape: Element, rng: random.Random) -> None:
+def another_mesh(shape, rng):
     uri = shape.find("geometry/mesh/uri")
     uri.text = rng.choice(sorted({other.text for other in shape.getroottree().iter("uri")} - {uri.text}))
 
@@ -37,21 +35,21 @@ def shape_of_another_part(files, rng):
     return Planted((names,), (role,))
 
 
-def ten_times(collision: Element, rng: random.Random) -> None:
+def ten_times(collision, rng):
     size = pick(collision.xpath(".//size | .//radius"), rng)
     size.text = " ".join(f"{10 * float(word):.12g}" for word in size.text.split())
 
 
-def other_bits(rng: random.Random) -> str:
+def other_bits(rng):
     return "0x00" if rng.random() < 0.5 else "0"
 
 
-def self_collision(model: Element, rng: random.Random) -> None:
+def self_collision(model, rng):
     collides = model.findtext("self_collide") == "true"
     within("self_collide", "false" if collides else "true")(model, rng)
 
 
-def model_elsewhere(model: Element, rng: random.Random) -> None:
+def model_elsewhere(model, rng):
     words = (model.findtext("pose") or "0 0 0 0 0 0").split()
     # A free robot's height depends on its joints, which the MJCF may start elsewhere.
     at = rng.choice((0, 1, 3, 4, 5))
@@ -59,7 +57,7 @@ def model_elsewhere(model: Element, rng: random.Random) -> None:
     within("pose", " ".join(words))(model, rng)
 
 
-def heavier(link: Element, rng: random.Random) -> None:
+def heavier(link, rng):
     mass = link.find("inertial/mass")
     mass.text = f"{1.01 * float(mass.text):.12g}"
 

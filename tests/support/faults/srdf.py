@@ -1,52 +1,50 @@
 """Faults of a build's SRDF."""
 
-import random
-
 from lxml import etree
 
 from tests.support.faults.edits import all_of, at, holder, named, pick, put, remove
-from tests.support.faults.fault import Element, Files, NothingToChange, Plant, Planted, table
+from tests.support.faults.fault import NothingToChange, Planted, table
 
 DISABLED = "/robot/disable_collisions"
 ADJACENT, NEVER = (f"{DISABLED}[@reason='{reason}']" for reason in ("Adjacent", "Never"))
 CHAIN, EFFECTOR, JOINT = "/robot/group/chain", "/robot/end_effector", "/robot/group_state/joint"
 
 
-def pair(node: Element) -> str:
+def pair(node):
     return f'disable_collisions "{node.get("link1")}" "{node.get("link2")}"'
 
 
-def state(joint: Element) -> str:
+def state(joint):
     above = joint.getparent()
     return f'{named("group_state", above)} of group "{above.get("group")}"'
 
 
-def suffixed(key: str):
-    def change(node: Element, rng: random.Random) -> None:
+def suffixed(key):
+    def change(node, rng):
         node.set(key, f"{node.get(key)}_x")
 
     return change
 
 
-def another(key: str, pool: str):
+def another(key, pool):
     """Another of the names on a path."""
 
-    def change(node: Element, rng: random.Random) -> None:
+    def change(node, rng):
         node.set(key, rng.choice(sorted({str(name) for name in node.xpath(pool)} - {node.get(key)})))
 
     return change
 
 
-def another_group(effector: Element, rng: random.Random) -> Planted:
+def another_group(effector, rng):
     key = rng.choice(("group", "parent_group"))
     another(key, "/robot/group/@name")(effector, rng)
     return Planted((holder(effector),), (key,))
 
 
-def of_state(change) -> Plant:
+def of_state(change):
     """Changes the value of a joint in a pose; a finding names the pose and the joint."""
 
-    def plant(files: Files, rng: random.Random) -> Planted:
+    def plant(files, rng):
         joint = pick(files.root.xpath(JOINT), rng)
         planted = Planted((state(joint),), (f"joint {joint.get('name')}",))
         change(joint, rng)
@@ -55,11 +53,11 @@ def of_state(change) -> Plant:
     return plant
 
 
-def value_off(joint: Element, rng: random.Random) -> None:
+def value_off(joint, rng):
     joint.set("value", f"{float(joint.get('value')) + rng.choice((1e-4, 0.1, -7)):.12g}")
 
 
-def beyond_limits(files: Files, rng: random.Random) -> Planted:
+def beyond_limits(files, rng):
     chosen = pick(files.root.xpath(JOINT), rng).getparent()
     far = etree.SubElement(files.root, "group_state", dict(chosen.attrib), name="far")
     for joint in chosen:
@@ -71,15 +69,15 @@ def beyond_limits(files: Files, rng: random.Random) -> Planted:
     return Planted(('group_state "far"',), (f"joint {limited.get('name')}",))
 
 
-def other_reason(*reasons: str):
-    def change(node: Element, rng: random.Random) -> None:
+def other_reason(*reasons):
+    def change(node, rng):
         node.set("reason", rng.choice(reasons) if len(reasons) > 1 else reasons[0])
 
     return change
 
 
-def switched_off(reason: str) -> Plant:
-    def plant(files: Files, rng: random.Random) -> str:
+def switched_off(reason):
+    def plant(files, rng):
         every = files.root.findall("disable_collisions")
         links = sorted({node.get(key) for node in every for key in ("link1", "link2")})
         off = {frozenset((node.get("link1"), node.get("link2"))) for node in every}
@@ -94,16 +92,16 @@ def switched_off(reason: str) -> Plant:
     return plant
 
 
-def collides_again(files: Files, rng: random.Random) -> object:
+def collides_again(files, rng):
     reason = rng.choice(("Adjacent", "Default"))
     return at(f"{DISABLED}[@reason='{reason}']", remove, names=pair)(files, rng)
 
 
-def other_base(virtual: Element, rng: random.Random) -> None:
+def other_base(virtual, rng):
     virtual.set("type", "floating" if virtual.get("type") == "fixed" else "fixed")
 
 
-def driven_passive(files: Files, rng: random.Random) -> str:
+def driven_passive(files, rng):
     passive = {str(name) for name in files.root.xpath("/robot/passive_joint/@name")}
     name = rng.choice(sorted({str(name) for name in files.root.xpath(f"{JOINT}/@name")} - passive))
     etree.SubElement(files.root, "passive_joint", name=name)

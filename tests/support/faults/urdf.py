@@ -1,6 +1,5 @@
 """Faults of a build's URDF."""
 
-import random
 import re
 
 from lxml import etree
@@ -23,7 +22,7 @@ from tests.support.faults.edits import (
     turned_round,
     write,
 )
-from tests.support.faults.fault import Element, Files, NothingToChange, Planted, table
+from tests.support.faults.fault import NothingToChange, Planted, table
 
 MOVING = "//joint[@type='revolute' or @type='continuous' or @type='prismatic']"
 ORIGIN, LIMIT = f"{MOVING}/origin", f"{MOVING}/limit"
@@ -32,7 +31,7 @@ FREE = f"{MOVING}[not(@name = //mimic/@joint)]"
 SEEN_MESH = "//link/visual/geometry/mesh"
 
 
-def inertial(part: str, *changes):
+def inertial(part, *changes):
     """Changes a part of the <inertial> of a link whose mass is more than a speck."""
     mass = "mass" if part == "." else "../mass"
     return at(
@@ -40,10 +39,10 @@ def inertial(part: str, *changes):
     )
 
 
-def resized(factor: float):
+def resized(factor):
     """Distances between all joints that are so many times as long."""
 
-    def plant(files: Files, rng: random.Random) -> tuple[str, ...]:
+    def plant(files, rng):
         names = []
         for origin in files.root.xpath(ORIGIN):
             values = numbers(origin, "xyz")
@@ -56,43 +55,43 @@ def resized(factor: float):
     return plant
 
 
-def is_away(origin: Element) -> bool:
+def is_away(origin):
     return max(map(abs, numbers(origin, "xyz"))) > 1e-3
 
 
-def is_turned(origin: Element) -> bool:
+def is_turned(origin):
     return any(0.01 < abs(angle) < 3.13 for angle in numbers(origin, "rpy"))
 
 
-def on_its_grandparent(parent: Element, rng: random.Random) -> None:
+def on_its_grandparent(parent, rng):
     (above,) = parent.xpath(f"//joint[child/@link = '{parent.get('link')}']/parent/@link")
     parent.set("link", above)
 
 
-def in_degrees(limit: Element, rng: random.Random) -> None:
+def in_degrees(limit, rng):
     for key in ("lower", "upper"):
         times(key, 57.29577951, digits=9)(limit, rng)
 
 
-def another_type(joint: Element, rng: random.Random) -> None:
+def another_type(joint, rng):
     joint.set("type", {"revolute": "prismatic", "prismatic": "revolute"}[joint.get("type")])
 
 
-def each(factor: float):
+def each(factor):
     """Multiplies all attributes by a factor."""
 
-    def change(node: Element, rng: random.Random) -> None:
+    def change(node, rng):
         for key in node.attrib:
             node.set(key, f"{float(node.get(key)) * factor:.12g}" if factor else "0")
 
     return change
 
 
-def against_the_triangle(tensor: Element, rng: random.Random) -> None:
+def against_the_triangle(tensor, rng):
     tensor.set("izz", f"{3 * (float(tensor.get('ixx')) + float(tensor.get('iyy'))):.12g}")
 
 
-def product_turned_round(files: Files, rng: random.Random) -> Planted:
+def product_turned_round(files, rng):
     skew = [
         (tensor, key)
         for tensor in files.root.iterfind("link/inertial/inertia")
@@ -106,22 +105,22 @@ def product_turned_round(files: Files, rng: random.Random) -> Planted:
     return Planted((holder(tensor),), (f"inertia {key}",))
 
 
-def is_frame(joint: Element) -> bool:
+def is_frame(joint):
     """Whether the link of a fixed joint is empty, and no frame of a loop."""
     (link,) = joint.xpath("//link[@name = $name]", name=joint.find("child").get("link"))
     return len(link) == 0 and not re.search("_[ab]$", link.get("name"))
 
 
-def colliders_gone(link: Element, rng: random.Random) -> None:
+def colliders_gone(link, rng):
     for collision in link.findall("collision"):
         link.remove(collision)
 
 
-def resized_solid(solid: Element, rng: random.Random) -> None:
+def resized_solid(solid, rng):
     times("size" if solid.get("size") else "radius", 1.1, digits=15)(solid, rng)
 
 
-def of_another_part(files: Files, rng: random.Random) -> str:
+def of_another_part(files, rng):
     mesh = pick(files.root.xpath(SEEN_MESH), rng)
     data = (files.folder / mesh.get("filename")).read_bytes()
     every = {node.get("filename") for node in files.root.iter("mesh")}
@@ -132,15 +131,15 @@ def of_another_part(files: Files, rng: random.Random) -> str:
     return holder(mesh)
 
 
-def lost(mesh: Element, rng: random.Random) -> tuple[str, str]:
+def lost(mesh, rng):
     mesh.set("filename", mesh.get("filename").replace("assets/", "assets/lost_"))
     return "mesh", holder(mesh)
 
 
-def same_name(path: str):
+def same_name(path):
     """Gives the name of one element to another."""
 
-    def plant(files: Files, rng: random.Random) -> tuple[str, str]:
+    def plant(files, rng):
         first, second = rng.sample(files.root.xpath(path), 2)
         was = holder(second)
         second.set("name", first.get("name"))
@@ -149,15 +148,15 @@ def same_name(path: str):
     return plant
 
 
-def renamed(node: Element, rng: random.Random) -> None:
+def renamed(node, rng):
     node.set("name", node.get("name") + "_old")
 
 
-def unknown_joint(robot: Element, rng: random.Random) -> None:
+def unknown_joint(robot, rng):
     etree.SubElement(etree.SubElement(robot, "transmission", name="gearbox"), "joint", name="no_such_joint")
 
 
-def unknown_package(mesh: Element, rng: random.Random) -> str:
+def unknown_package(mesh, rng):
     mesh.set("filename", "package://no_such_package/" + mesh.get("filename"))
     return "mesh of"
 

@@ -1,22 +1,20 @@
 """Faults of a build's USD, planted in its text."""
 
-import random
 import re
-from collections.abc import Callable
 
-from tests.support.faults.edits import Draw, either
-from tests.support.faults.fault import Files, NothingToChange, Plant, table
+from tests.support.faults.edits import either
+from tests.support.faults.fault import NothingToChange, table
 
 BODY = re.compile(r'\n    def Xform "(\w+)" \(\n        prepend apiSchemas = \["PhysicsRigidBodyAPI"')
 CONVEX = r'physics:approximation = "convexHull"'
 HULL = f"uniform token {CONVEX}"
 
 
-def replaced(pattern: str, new: str | Draw | Callable[..., str], element: str = "") -> Plant:
+def replaced(pattern, new, element=""):
     """Replaces one of the places that match. A finding names `element`, or else the body that the place is
     in."""
 
-    def plant(files: Files, rng: random.Random) -> str:
+    def plant(files, rng):
         text = files.path.read_text(encoding="utf-8")
         matches = list(re.finditer(pattern, text))
         if not matches:
@@ -32,24 +30,24 @@ def replaced(pattern: str, new: str | Draw | Callable[..., str], element: str = 
     return plant
 
 
-def moved_aside(rng: random.Random) -> str:
+def moved_aside(rng):
     place = f"double3 xformOp:translate = (0, {rng.uniform(1e-4, 0.1):.6g}, 0)"
     return rf'\g<0>\n{place}\nuniform token[] xformOpOrder = ["xformOp:translate"]'
 
 
-def ten_times(rng: random.Random):
+def ten_times(rng):
     return lambda match, text: f"{match[1]}{10 * float(match[2])!r}"
 
 
-def another_mesh(rng: random.Random):
-    def words(match: re.Match[str], text: str) -> str:
+def another_mesh(rng):
+    def words(match, text):
         meshes = set(re.findall(r"</meshes/(\w+)>", text))
         return f"</meshes/{rng.choice(sorted(meshes - {match[1]}))}>"
 
     return words
 
 
-def no_force(rng: random.Random) -> str:
+def no_force(rng):
     off = rng.choice(("bool physics:rigidBodyEnabled = 0", "bool physics:kinematicEnabled = 1"))
     return rf"{off}\n        \g<0>"
 

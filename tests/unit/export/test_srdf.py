@@ -13,10 +13,10 @@ from linkwright.stages.robot.model.geometry import Exclude
 from linkwright.stages.robot.model.robot import Frame, Keyframe, Limits, Relation, frozen
 from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import NO_MESHES, plan_of, write
+from tests.support.checked import srdf_checks
 from tests.support.exports import losses_of
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with, some_value
 from tests.support.srdf import InPinocchio, Srdf
-from tests.support.srdf_checks import srdf_checks
 from tests.support.touching import ball, box, geometry_of
 
 

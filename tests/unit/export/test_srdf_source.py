@@ -7,11 +7,11 @@ import pytest
 from lxml import etree
 
 from tests.support.building import plan_of, write
+from tests.support.checked import srdf_checks
 from tests.support.exports import compiled, messages_of
 from tests.support.pinocchio import pin
 from tests.support.ros2 import moveit_of, packed
 from tests.support.srdf import InPinocchio, Srdf
-from tests.support.srdf_checks import srdf_checks
 from tests.support.touching import geometry_of
 from tests.support.urdfs import urdf_robot
 from tests.unit.graph.urdf.test_srdf import GROUPS, URDF

@@ -16,12 +16,12 @@ from linkwright.stages.mesh.library import MAX_DECIMATION_MOVE, MeshLibrary
 from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.bundle import Bundle
-from linkwright.stages.robot.errors import DecompositionFailed, MeshError
+from linkwright.stages.robot.errors import DecompositionFailed
 from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, Primitive, frozen
 from tests.support.physics import robot_of_meshes
 from tests.support.robots import at, robot_with
 from tests.support.solids import bodies_of
-from tests.support.touching import no_memo
+from tests.support.touching import Memory, no_memo
 
 LEGS = [((0, 0, 0), (0.1, 0.02, 0.005)), ((0, 0, 0), (0.005, 0.02, 0.08))]
 SHAPES = {
@@ -116,23 +116,13 @@ def test_glob_on_a_link_is_for_all_of_its_parts_together():
 
 
 def test_settings_of_a_glob_replace_those_of_the_mesh():
-    (shape,) = made(robot(part("Block <1>")), colliders={"Block": {"sphere": {"radius": 0.02}}}).of(
-        "base", "collision"
-    )
+    ball = made(robot(part("Block <1>")), colliders={"Block": {"sphere": {"radius": 0.02}}})
+    (shape,) = ball.of("base", "collision")
     assert (shape.primitive.kind, shape.primitive.size) == ("sphere", (0.02,))
     loose = {"make": "ladder", "tolerance": 0.05, "extra_volume": 100}
     (collider,) = made(robot(part("Bracket <1>")), colliders={"Bracket": loose}).colliders
     assert (collider.tolerance, collider.meets) == (0.05, True)
     assert collider.rung != "pieces"
-
-
-def test_glob_without_a_match_lists_what_there_is():
-    with pytest.raises(MeshError) as caught:
-        made(BOTH, colliders={"Finger*": "box", "*": "ladder"})
-    (problem,) = caught.value.problems
-    assert (problem.code, problem.where) == ("E-GLOB", "mesh.colliders")
-    assert "Finger*" in problem.message
-    assert "Block, Bracket" in problem.hint
 
 
 def test_small_parts_and_standard_content_have_no_collider_unless_named():
@@ -189,14 +179,7 @@ def test_figures_of_a_part_without_an_inside_survive_the_cache(collider):
     """A bent sheet: what its hull adds is no share of a volume."""
     bent = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0.03], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]])
     value, files = robot_of_meshes({"Sheet": bent})
-    kept = {}
-
-    def memo(kind, key, make):
-        name = repr((kind, key))
-        if name not in kept:
-            kept[name] = make()
-        return kept[name]
-
+    memo = Memory()
     for _ in range(2):
         geometry = make_geometry(value, files, keys_of(collider=collider, tolerance=0.002), memo)
         (figures,) = geometry.colliders
@@ -222,7 +205,6 @@ def loaded(geometry):
 
 
 def test_files_are_those_of_the_pieces():
-    """An independent reader: the written meshes of a decomposed ring leave its hole open."""
     value, files = robot_of_meshes({"Ring": trimesh.creation.annulus(0.02, 0.03, 0.02, sections=32)})
     pieces = loaded(make_geometry(value, files, keys_of(collider="coacd"), no_memo))
     assert 4 <= len(pieces) <= 16

@@ -1,6 +1,5 @@
 """Colliders: a link may have several, meshes and primitives, whatever makes them."""
 
-import json
 import math
 from dataclasses import asdict, dataclass, replace
 from types import SimpleNamespace
@@ -37,10 +36,12 @@ from linkwright.stages.robot.model.robot import MeshRef, Primitive, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.targets.engines import shape_limits
 from tests.support.building import bundle_of, plan_of, robot_of, shaped, write
+from tests.support.cases import mostly_slow
 from tests.support.checked import checked
 from tests.support.kit import hinged
 from tests.support.places import PROJECT
 from tests.support.solids import box, of_mesh
+from tests.support.touching import Memory
 
 KINDS = {
     int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind.upper()}")): kind
@@ -109,14 +110,9 @@ def test_settings_that_a_maker_reads_are_part_of_its_key(kit):
     robot, bundle = robot_of(kit.document), bundle_of(kit.document)
 
     def keys(**mesh):
-        kept = set()
-
-        def memo(kind, key, make):
-            kept.add((kind, json.dumps(key)))
-            return make()
-
+        memo = Memory()
         make_geometry(robot, bundle, plan_of(mesh={"collider": "hull", **mesh}), memo)
-        return {key for kind, key in kept if kind == "mesh.collider"}
+        return set(memo.keys_of("mesh.collider"))
 
     assert len(keys()) == 2
     assert keys(tolerance=0.1, extra_volume=0.5) == keys()
@@ -208,7 +204,7 @@ def test_each_part_has_the_primitive_that_fits_it_best(target, round_kind):
     assert rod in round_kind
 
 
-@pytest.mark.parametrize(("tolerance", "most"), [(0.001, 64), (0.0005, 64), (0.003, 12)])
+@pytest.mark.parametrize(("tolerance", "most"), mostly_slow([(0.001, 64), (0.003, 12), (0.0005, 64)], 2))
 def test_spheres_keep_the_tolerance_where_they_can(tolerance, most):
     """They neither stand out of a convex surface nor leave it bare by more than the tolerance."""
     surface = box(0.03, 0.01, 0.01)

@@ -10,7 +10,8 @@ from linkwright.stages.mesh import part_mesh
 from linkwright.stages.mesh.com_check import outside
 from linkwright.stages.mesh.surfaces.pieces import enclosing_points
 from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
-from tests.unit.mesh.test_mesh import FLAT, INERTIAL, Memory, at, geometry, link_of, of_links, part
+from tests.support.touching import Memory
+from tests.unit.mesh.test_mesh import FLAT, INERTIAL, at, geometry, link_of, of_links, part
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 

@@ -22,7 +22,7 @@ from linkwright.stages.robot.motion.start_pose import home, saved
 from tests.support.building import plan_of, write
 from tests.support.exports import compiled, exported
 from tests.support.robots import EVERY, at, joint, loop, robot_with
-from tests.support.touching import apart, ball, box, geometry_of, geoms_in_mujoco, in_mujoco
+from tests.support.touching import Memory, apart, ball, box, geometry_of, geoms_in_mujoco, in_mujoco
 from tests.unit.robot.test_home import four_bar
 
 OFF = at(0.007, 0.004, 0.07)
@@ -59,32 +59,41 @@ def base_arm_hand(**shapes):
     return robot_with(joints, shapes={name: (shape,) for name, shape in shapes.items() if shape})
 
 
+def one_exclude(robot, pair):
+    """The geometry of a robot whose only exclude is this adjacent pair, which touches without it."""
+    geometry = geometry_of(robot)
+    assert reasons(geometry) == {pair: "Adjacent"}
+    assert touching(robot, geometry) == set()
+    assert touching(robot, replace(geometry, excludes=())) == {pair}
+    return geometry
+
+
 def touching(robot, geometry, q=None):
     return in_mujoco(compiled(exported(robot, geometry)), robot, home(robot) if q is None else q)
 
 
 def test_base_that_overlaps_its_child_is_excluded_as_adjacent():
-    """By 93 mm in the sample, by 80 mm here."""
+    """By 93 mm in the sample, by 80 mm here. A root called `world` is the world."""
     robot = base_arm_hand(hand=None)
-    geometry = geometry_of(robot)
+    geometry = one_exclude(robot, ("base", "arm"))
     assert geometry.self_contact
-    assert reasons(geometry) == {("base", "arm"): "Adjacent"}
     assert geometry.excludes[0].depth == close(-apart(robot, home(robot))["base", "arm"])
-    assert touching(robot, geometry) == set()
-    assert touching(robot, replace(geometry, excludes=())) == {("base", "arm")}
-
-
-def test_root_called_world_is_the_world_and_its_child_is_excluded():
     bare = robot_with([joint("revolute", "world", "arm", place=OFF)], root="world")
-    robot = replace(bare, links=tuple(replace(link, shapes=(ball(0.1),)) for link in bare.links))
-    geometry = geometry_of(robot)
-    assert reasons(geometry) == {("world", "arm"): "Adjacent"}
-    assert touching(robot, geometry) == set()
-    assert touching(robot, replace(geometry, excludes=())) == {("world", "arm")}
+    on_world = replace(bare, links=tuple(replace(link, shapes=(ball(0.1),)) for link in bare.links))
+    one_exclude(on_world, ("world", "arm"))
 
 
-def test_depth_of_shapes_with_the_same_middle_is_known():
-    shapes = {"base": (box(0.2, 0.2, 0.1),), "arm": (box(0.05, 0.05, 0.2),)}
+def test_faces_on_each_other_touch_and_a_pair_that_does_not_has_no_exclude():
+    on_it = geometry_of(base_arm_hand(hand=ball(0.05)))
+    assert with_reason(on_it, "Always").depth == pytest.approx(0.0, abs=1e-6)
+    for keys in (
+        {},
+        {"exclude": [["arm", "*"]]},
+    ):  # the reason is the joint where the user names the pair too
+        beside = geometry_of(base_arm_hand(hand=ball(0.049)), **keys)
+        assert reasons(beside) == dict.fromkeys([("base", "arm"), ("arm", "hand")], "Adjacent")
+        assert not [diagnostic for diagnostic in beside.diagnostics if "CONTACT" in diagnostic.code]
+    shapes = {"base": (box(0.2, 0.2, 0.1),), "arm": (box(0.05, 0.05, 0.2),)}  # with the same middle
     (exclude,) = geometry_of(robot_with([joint("revolute", "base", "arm")], shapes=shapes)).excludes
     assert exclude.depth == close(0.125, 1e-4)
 
@@ -97,14 +106,6 @@ def test_pair_that_touches_in_every_pose_is_excluded_with_its_depth():
     assert "base and hand (10.00 mm deep)" in diagnostic.message
     assert not said(geometry, "W-SELF-CONTACT")
     assert geometry_of(robot_with([joint("revolute", "base", "one")])).excludes == ()
-
-
-def test_faces_on_each_other_touch_and_a_pair_that_does_not_has_no_exclude():
-    on_it = geometry_of(base_arm_hand(hand=ball(0.05)))
-    assert with_reason(on_it, "Always").depth == pytest.approx(0.0, abs=1e-6)
-    beside = geometry_of(base_arm_hand(hand=ball(0.049)))
-    assert set(reasons(beside)) == {("base", "arm"), ("arm", "hand")}
-    assert not [diagnostic for diagnostic in beside.diagnostics if "CONTACT" in diagnostic.code]
 
 
 def fingers(saved):
@@ -167,7 +168,6 @@ def test_pads_that_touch_at_home_are_reported_and_a_user_excludes_them():
 
 
 def test_poses_satisfy_relations():
-    """Fingers that would part if each moved by itself, but follow each other."""
     joints = [
         joint("prismatic", "palm", name, limits={f"{name}_joint": Limits(-0.1, 0.1)})
         for name in ("left", "right")
@@ -261,15 +261,9 @@ def test_values_that_are_no_pair_of_globs_are_refused(wrong):
         plan_of(contact={"exclude": wrong})
 
 
-def test_reason_is_the_joint_where_the_user_names_the_pair_too():
-    geometry = geometry_of(base_arm_hand(hand=ball(0.049)), exclude=[["arm", "*"]])
-    assert set(reasons(geometry).values()) == {"Adjacent"}
-
-
 @pytest.mark.parametrize("fixed", [True, False])
 @pytest.mark.parametrize("kind", EVERY)
 def test_no_type_of_joint_lets_its_links_collide(kind, fixed):
-    """Nor the links that a format puts between them."""
     root = "world" if kind == "free" else "base"
     joints = [joint(kind, root, "one"), joint("revolute", "one", "two")]
     shapes = {name: (ball(0.05),) for name in ("base", "one", "two") if name != root or kind != "free"}
@@ -304,14 +298,7 @@ def test_excludes_do_not_depend_on_the_order_of_links():
 
 
 def test_work_is_done_again_only_where_the_motion_or_a_collider_changes():
-    keys = []
-
-    def memo(kind, key, make):
-        if kind == "mesh.contacts":
-            keys.append(codec.dump(key))
-        return make()
-
-    robot = base_arm_hand()
+    memo, robot = Memory(), base_arm_hand()
     heavier = tuple(replace(link, inertial=replace(link.inertial, mass=5.0)) for link in robot.links)
     arm, hand = robot.joints
     bent = replace(hand, dofs=(replace(hand.dofs[0], limits=Limits(0.0, 1.0)),))
@@ -320,6 +307,7 @@ def test_work_is_done_again_only_where_the_motion_or_a_collider_changes():
     geometry_of(robot, memo, self="all")
     geometry_of(robot, memo, exclude=[["base", "hand"]])
     geometry_of(replace(robot, joints=(arm, bent)), memo)
+    keys = memo.keys_of("mesh.contacts")
     assert keys[0] == keys[1]
     assert len(set(keys)) == 5
 
@@ -346,7 +334,6 @@ def test_a_single_pose_apart_is_enough_to_keep_a_pair(monkeypatch):
 
 
 def test_links_whose_boxes_meet_are_those_of_all_pairs():
-    """40 links, a box and a ball each, at seeded places."""
     rng = np.random.default_rng(5)
     names = [f"link_{number}" for number in range(40)]
     pairs = [(box(*size), ball(size[0], at(*size))) for size in rng.uniform(0.02, 0.2, (40, 3))]
@@ -367,7 +354,6 @@ def test_links_whose_boxes_meet_are_those_of_all_pairs():
 
 
 def test_pairs_that_are_compared_grow_with_the_links(monkeypatch):
-    """And not with their square."""
     compared = set()
     monkeypatch.setattr(Colliders, "_depths", lambda self, pair, *_: compared.add(pair) or np.zeros((1, 1)))
     for count in (25, 100):

@@ -7,6 +7,7 @@ import trimesh
 
 from tests.support.fidelity import Hull, Round, fidelity, pieces_of, solid_angles
 
+pytestmark = pytest.mark.slow
 CUBE = np.array(np.meshgrid(*[(-0.5, 0.5)] * 3)).reshape(3, -1).T
 
 
@@ -45,7 +46,6 @@ def test_hull_of_a_ring_stands_out_by_the_radius_of_its_hole():
 
 
 def test_each_of_several_parts_has_its_own_tolerance():
-    """Two cubes beside each other, each in a box that is 1 mm larger all around."""
     cubes = [trimesh.creation.box((0.05, 0.05, 0.05)).apply_translation((x, 0, 0)) for x in (0, 0.2)]
     pieces = [cube(0.052, 0.052, 0.052, at=(x, 0, 0)) for x in (0, 0.2)]
     for tolerance, times in ((0.001, 1), (0.0005, 2)):
@@ -69,7 +69,7 @@ def test_seam_is_no_surface_and_an_open_part_has_an_inside():
 @pytest.mark.parametrize("ends", [False, True])
 def test_round_parts_are_measured_exactly(ends):
     create = trimesh.creation
-    part = create.capsule(0.06, 0.02, count=[64, 64]) if ends else create.cylinder(0.02, 0.06, sections=256)
+    part = create.capsule(0.06, 0.02, count=[48, 48]) if ends else create.cylinder(0.02, 0.06, sections=128)
     part.apply_translation(-part.bounds.mean(axis=0))
 
     def against(radius, half):

@@ -15,6 +15,7 @@ from linkwright.stages.mesh.measure import Target, measure
 from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from linkwright.stages.targets.engines import shape_limits
+from tests.support.cases import mostly_slow
 from tests.support.solids import box, of_mesh
 
 LENGTHS = st.floats(0.002, 0.5)
@@ -108,7 +109,7 @@ def test_sphere_and_capsule_in_any_pose_are_found_again(radius, seed):
     ],
     ids=["plate", "cube", "rod", "disc", "ball", "capsule", "gear"],
 )
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_fittest_kind_is_that_of_the_part(surface, kind, seed):
     assert best_primitive(moved(surface, some_pose(seed))).kind == kind
 
@@ -176,7 +177,9 @@ def test_flat_part_has_no_fit():
 
 
 @pytest.mark.parametrize(
-    "surface", [BRACKET, GEAR, ROD, box(0.05, 0.04, 0.02)], ids=["bracket", "gear", "rod", "block"]
+    "surface",
+    mostly_slow([BRACKET, box(0.05, 0.04, 0.02), GEAR, ROD], 2),
+    ids=["bracket", "block", "gear", "rod"],
 )
 def test_error_is_about_that_of_the_measures(surface):
     target = Target.of(surface)

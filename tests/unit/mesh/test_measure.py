@@ -16,7 +16,7 @@ from linkwright.stages.mesh.surfaces.pieces import placed, surface_of
 from linkwright.stages.robot.model.robot import Primitive
 from tests.support.robots import at
 from tests.support.solids import box, joined, of_mesh
-from tests.unit.mesh.test_inside import winding
+from tests.unit.mesh.test_surface import winding
 
 WITHIN = 1.5e-3
 """The precision that is promised of a maximum, as a share of the diagonal."""
@@ -119,7 +119,7 @@ def test_neither_order_nor_repetition_matters():
 
 def test_larger_collider_protrudes_more_and_bares_less():
     target = Target.of(box(0.2, 0.1, 0.05))
-    ladder = [measure(target, [box(0.2 + g, 0.1 + g, 0.05 + g)]) for g in np.linspace(-0.02, 0.02, 5)]
+    ladder = [measure(target, [box(0.2 + g, 0.1 + g, 0.05 + g)]) for g in (-0.02, 0.0, 0.02)]
     for small, large in itertools.pairwise(ladder):
         for name in ("extra", "protrusion_p95", "protrusion_max"):
             assert getattr(small, name) <= getattr(large, name), name
@@ -184,7 +184,7 @@ def random_hulls(random, count):
     ]
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(SEEDS, st.integers(1, 4))
 def test_any_part_and_pieces_are_judged_as_by_many_points(seed, count):
     random = np.random.default_rng(seed)
@@ -235,6 +235,7 @@ def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
         assert worst > 0.98 * tolerance
 
 
+@pytest.mark.slow
 @settings(max_examples=10)
 @given(SEEDS, st.integers(1, 4), st.booleans())
 def test_near_agrees_with_measure(seed, count, three_times):
@@ -259,6 +260,7 @@ def test_pieces_that_reach_too_far_or_leave_too_much_bare_are_not_near(beyond, b
     assert near(Target.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
 
 
+@pytest.mark.slow
 def test_open_part_is_judged_by_sampling_and_hardly_differently():
     whole = of_mesh(trimesh.creation.box((0.2, 0.1, 0.1)).subdivide().subdivide().subdivide())
     around = box(0.21, 0.11, 0.11)

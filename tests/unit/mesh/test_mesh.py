@@ -19,6 +19,7 @@ from linkwright.stages.robot.model import robot as model
 from linkwright.stages.robot.model.geom_form import GeomForm
 from linkwright.stages.robot.model.geometry import NEUTRAL
 from linkwright.stages.robot.model.robot import Inertial, Link, MeshRef, Part, Primitive, Robot, frozen
+from tests.support.touching import Memory
 
 INERTIAL = Inertial(1.0, frozen([0.25, 0.25, 0.25]), frozen(np.eye(3)))
 """Inside of every block."""
@@ -84,20 +85,6 @@ def of_links(*links):
     return Robot("r", links, (), (), (), (), *fixed, model.Provenance("d", "e", "m", "default"))
 
 
-class Memory:
-    """A memo that counts what it had to make."""
-
-    def __init__(self):
-        self.kept, self.made = {}, 0
-
-    def __call__(self, kind, key, make):
-        name = json.dumps([kind, key])
-        if name not in self.kept:
-            self.made += 1
-            self.kept[name] = make()
-        return self.kept[name]
-
-
 def geometry(robot, memo=None, target=(), **mesh):
     tree = {"mesh": {"collider": "hull", **mesh}, "contact": {"self": "none"}}
     keys = MeshSections.model_validate(tree | {"target": {name: {} for name in target}})
@@ -123,13 +110,6 @@ def test_link_has_a_visual_a_colour_and_its_hull_in_its_own_frame():
     assert hull.is_watertight
     assert hull.is_convex
     assert hull.bounds.tolist() == [[1, 0, 0], [4, 1, 3]]
-
-
-def test_shapes_follow_the_links_and_one_colour_needs_no_number():
-    result = geometry(robot(tip=[part("A")], base=[part("B")]))
-    names = ["tip_collision.stl", "tip.stl", "base_collision.stl", "base.stl"]
-    assert [shape.file for shape in result.shapes] == names
-    assert [shape.link for shape in result.of("base", "visual")] == ["base"]
 
 
 def test_coloured_face_is_a_visual_of_its_own():

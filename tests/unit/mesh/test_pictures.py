@@ -22,7 +22,7 @@ from linkwright.stages.show.raster import drawn, work
 from tests.support.pictures import pixels_of
 from tests.support.robots import at
 from tests.support.solids import box, of_mesh
-from tests.support.touching import no_memo
+from tests.support.touching import Memory, no_memo
 
 WHITE = np.array([255, 255, 255], dtype=np.uint8)
 BACKGROUND = tuple(room._BACKGROUND.tolist())
@@ -158,20 +158,13 @@ def links(*names):
 
 
 def test_pictures_are_in_the_order_of_the_links_and_made_once_for_equal_links():
-    kept = {}
-
-    def memo(kind, key, make):
-        name = json.dumps([kind, key])
-        if name not in kept:
-            kept[name] = make()
-        return kept[name]
-
+    memo = Memory()
     pictures = table(links("b", "a"), memo)
     assert [entry["link"] for entry in pictures["pictures"]] == ["b", "a"]
-    assert (pictures["left_out"], pictures["side"], len(kept)) == ([], SIDE, 1)
-    assert {base64.b64decode(entry["png"]) for entry in pictures["pictures"]} == set(kept.values())
+    assert (pictures["left_out"], pictures["side"], memo.made) == ([], SIDE, 1)
+    assert {base64.b64decode(entry["png"]) for entry in pictures["pictures"]} == set(memo.kept.values())
     views(judged((SHAPES[0], replace(SHAPES[1], colour=(1.0, 0.0, 0.0, 1.0))), FILES), memo)
-    assert len(kept) == 2
+    assert memo.made == 2
 
 
 def test_links_that_miss_come_first_where_there_is_no_room_for_all(monkeypatch):
@@ -219,7 +212,6 @@ def test_degenerate_meshes_harm_no_picture(points):
 
 
 def test_fine_mesh_is_drawn_from_its_own_triangles():
-    """As a ball of 20,000 triangles looks like the primitive."""
     files = {"a.stl": stl.write(of_mesh(trimesh.creation.icosphere(5, 0.1)))}
     images = picture([shape("visual", name="a.stl")], files), picture([shape("visual", ball(0.1))], {})
     fine, plain = ((pixels_of(image) != BACKGROUND).any(axis=2) for image in images)

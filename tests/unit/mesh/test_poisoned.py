@@ -18,7 +18,7 @@ from tests.support.building import plan_of
 from tests.support.exports import compiled
 from tests.support.physics import VISUAL, robot_of_meshes
 from tests.support.poison import POISONED, RING, torus
-from tests.support.touching import no_memo
+from tests.support.touching import Memory, no_memo
 
 SECONDS = 60.0
 """CPU seconds for one part, by whatever maker: an open part takes the ladder about 25, a million faces 20."""
@@ -107,7 +107,6 @@ def test_million_faces_take_less_than_a_minute(collider):
 
 @pytest.mark.slow
 def test_quarter_of_a_million_rough_faces_end_too():
-    """Off by a tenth of a millimetre everywhere, as a scan is."""
     before = cpu()
     geometry, _ = made(torus(1e-4, count=500), "tolerance")
     assert cpu() - before < 4 * SECONDS
@@ -139,21 +138,13 @@ def assert_hull(geometry, message):
     ("lines", "bounds", "message"),
     [
         ("import time\ntime.sleep(1000)", Bounds(0.5, 1 << 30, 1000), "took longer than 0.5 s"),
-        ("import os\nos.abort()", BOUNDS, "crashed (SIGABRT)"),
+        pytest.param("import os\nos.abort()", BOUNDS, "crashed (SIGABRT)", marks=pytest.mark.slow),
     ],
     ids=["hang", "crash"],
 )
 def test_guest_that_hangs_or_crashes_leaves_the_hull(guest, lines, bounds, message):
-    """And is asked again next time, when it may do better."""
     guest(lines, bounds)
-    kept = {}
-
-    def memo(kind, key, make):
-        name = str((kind, key))
-        if name not in kept:
-            kept[name] = make()
-        return kept[name]
-
+    memo = Memory()
     assert_hull(made(RING, "coacd", memo)[0], message)
     if "abort" in lines:
         guest()

@@ -14,7 +14,6 @@ from linkwright.stages.mesh.collide import side_by_side as pool
 from linkwright.stages.mesh.collide.improvement import helper, improved
 from linkwright.stages.mesh.collide.side_by_side import Making, side_by_side
 from linkwright.stages.robot.errors import DecompositionFailed
-from linkwright.stages.robot.system import process_usage
 from tests.support.decomposing import improved as alone
 from tests.support.decomposing import task
 from tests.support.places import PROJECT
@@ -54,7 +53,6 @@ REFUSES = "return collision.encode(collision.Collision(note='no'))"
 
 
 def test_guests_make_the_same_in_any_order_whatever_they_made_before():
-    """As guests that are asked nothing else do."""
     surfaces = [BRACKET, CLAMP, RING, BRACKET]
     makings = [Making(str(number), made(surface)) for number, surface in enumerate(surfaces)]
     forwards = side_by_side(makings, workers=1)
@@ -68,11 +66,6 @@ def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in):
     assert len(set(results)) == 1
     assert 1 <= len(guests()) <= 2
     assert gone(guests())
-
-
-def test_where_nothing_is_decomposed_no_process_starts(monkeypatch):
-    monkeypatch.setattr(subprocess, "Popen", None)
-    assert side_by_side([Making("", lambda _: 1)] * 3, workers=2) == [1, 1, 1]
 
 
 def test_a_failure_is_the_result_of_its_own_maker_alone():
@@ -150,7 +143,3 @@ def test_however_we_end_all_guests_end(number, lines, tmp_path, stand_in):
     assert said == lines
     assert gone(guests())
     assert len(guests()) == 2
-
-
-def test_there_is_at_least_one_processor():
-    assert process_usage.processors() >= 1

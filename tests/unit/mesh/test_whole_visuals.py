@@ -12,13 +12,12 @@ import trimesh
 from linkwright.stages.formats.described import described
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.errors import LinkwrightError
 from linkwright.stages.show.live.compiled import compiled
 from linkwright.stages.show.preview import needed_by
 from linkwright.stages.show.preview.compiled import look_of_files
 from linkwright.stages.show.preview.surface import surface_of
 from tests.fake_onshape import solids
-from tests.support.building import plan_of, shaped, write
+from tests.support.building import shaped, write
 from tests.support.checked import checked
 from tests.support.kit import SIDE, TOP, Kit, two_arms
 from tests.support.textures import built_into, by_trimesh, cube, image, obj, ordered, put, urdf, visual
@@ -182,13 +181,3 @@ def test_files_are_a_source_of_the_same_robot(tmp_path, up):
         )
         assert [(row.colour, row.faces) for row in first] == [(row.colour, row.faces) for row in other]
         assert np.allclose([row.bounds for row in first], [row.bounds for row in other], atol=1e-6)
-
-
-def test_without_assets_there_is_no_glb(tmp_path):
-    _, geometry, _, _ = built(tmp_path, assets="none")
-    assert (geometry.files, geometry.whole_visuals) == ({}, ())
-
-
-def test_dae_is_not_written():
-    with pytest.raises(LinkwrightError, match=r"mesh\.format[\s\S]*allowed: stl, obj, glb"):
-        plan_of(mesh={"format": "dae"})

@@ -16,54 +16,39 @@ from linkwright.stages.validate.external import run as runs
 from linkwright.stages.validate.section import ValidateSection
 from tests.support.command import called, environment
 
-SIMCHECK = {
-    "asset": "arm.urdf",
-    "verdict": "FAIL",
-    "score": 70.0,
-    "results": [
-        {
-            "findings": [
-                {"check": "inertia.mass", "severity": "error", "message": "no mass", "target": "hand"},
-                {"check": "joints.drive", "severity": "warning", "message": "weak", "target": "wrist"},
-                {"check": "joints.mimic", "severity": "info", "message": "mimics", "target": "thumb"},
-            ]
-        }
-    ],
-}
-
-DOCTOR = [
-    {
-        "file": "scene.xml",
-        "errors": 1,
-        "warnings": 1,
-        "findings": [
-            {"level": "ERROR", "code": "nan", "subject": "elbow", "message": "it explodes"},
-            {"level": "WARN", "code": "soft", "subject": "<global>", "message": "it is soft"},
-            {"level": "INFO", "code": "stock", "subject": "<global>", "message": "it is stock"},
-        ],
-    }
+FINDINGS = [
+    {"check": "inertia.mass", "severity": "error", "message": "no mass", "target": "hand"},
+    {"check": "joints.drive", "severity": "warning", "message": "weak", "target": "wrist"},
+    {"check": "joints.mimic", "severity": "info", "message": "mimics", "target": "thumb"},
 ]
+SIMCHECK = {"asset": "arm.urdf", "verdict": "FAIL", "score": 70.0, "results": [{"findings": FINDINGS}]}
 
-SIMREADY = {
-    "/somewhere/arm.usda": {
-        "profile_id": "Robot-Body",
-        "profile_version": "3.0.0",
-        "features_summary": {
-            "FET_001_STANDARD": {
-                "passed": False,
-                "blocking_failure": True,
-                "failing requirements": "['com.nvidia.usd.VG.027', 'com.nvidia.simready.VG.008']",
-                "requirement_messages": '{"com.nvidia.usd.VG.027": ["no normals", "no normals"]}',
-            },
-            "FET_003_STANDARD": {"passed": True, "blocking_failure": False},
-            "FET_006_MDL": {
-                "passed": False,
-                "blocking_failure": False,
-                "optional requirements": "['VM.MDL']",
-            },
-        },
-    }
+REMARKS = [
+    {"level": "ERROR", "code": "nan", "subject": "elbow", "message": "it explodes"},
+    {"level": "WARN", "code": "soft", "subject": "<global>", "message": "it is soft"},
+    {"level": "INFO", "code": "stock", "subject": "<global>", "message": "it is stock"},
+]
+DOCTOR = [{"file": "scene.xml", "errors": 1, "warnings": 1, "findings": REMARKS}]
+
+FEATURES = {
+    "FET_001_STANDARD": {
+        "passed": False,
+        "blocking_failure": True,
+        "failing requirements": "['com.nvidia.usd.VG.027', 'com.nvidia.simready.VG.008']",
+        "requirement_messages": '{"com.nvidia.usd.VG.027": ["no normals", "no normals"]}',
+    },
+    "FET_003_STANDARD": {"passed": True, "blocking_failure": False},
+    "FET_006_MDL": {"passed": False, "blocking_failure": False, "optional requirements": "['VM.MDL']"},
 }
+OPTIONAL = {name: row for name, row in FEATURES.items() if "001" not in name}
+
+
+def report_of(features):
+    """Lines that write the report of simready-validate."""
+    profile = {"profile_id": "Robot-Body", "profile_version": "3.0.0", "features_summary": features}
+    report = {"/somewhere/arm.usda": profile}
+    return f"json.dump({report!r}, open(sys.argv[sys.argv.index('--output') + 1], 'w'))"
+
 
 VALIDATOR = {
     "overall_status": "FAIL",
@@ -73,7 +58,7 @@ VALIDATOR = {
 }
 
 
-def stand_in(folder: Path, program: str, code: str, version: str = "1.2.3") -> None:
+def stand_in(folder, program, code, version="1.2.3"):
     """A program that says its version, and else runs some lines of Python."""
     path = folder / program
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,15 +78,9 @@ def path(tmp_path):
     tools = tmp_path / "bin"
     stand_in(tools, "simcheck", f"print(json.dumps([{SIMCHECK!r}]))")
     stand_in(tools, "mjcf-doctor", f"print('hello'); print(json.dumps({DOCTOR!r}, indent=2))")
-    stand_in(
-        tools,
-        "urdf_validate",
-        "where = sys.argv[sys.argv.index('--output-dir') + 1]\n"
-        f"json.dump({VALIDATOR!r}, open(os.path.join(where, 'arm_validation.json'), 'w'))\n"
-        "sys.exit(2)",
-    )
-    write = f"json.dump({SIMREADY!r}, open(sys.argv[sys.argv.index('--output') + 1], 'w'))"
-    stand_in(tools, "simready-validate", f"{write}\nsys.exit(1)")
+    where = "os.path.join(sys.argv[sys.argv.index('--output-dir') + 1], 'arm_validation.json')"
+    stand_in(tools, "urdf_validate", f"json.dump({VALIDATOR!r}, open({where}, 'w'))\nsys.exit(2)")
+    stand_in(tools, "simready-validate", f"{report_of(FEATURES)}\nsys.exit(1)")
     return {"PATH": str(tools), "ONSHAPE_SECRET_KEY": "s3cret"}
 
 
@@ -142,15 +121,8 @@ def test_what_each_says_is_a_check_of_its_own(folder, path):
     assert [finding.message for finding in simready.findings][1:] == ["not met (com.nvidia.simready.VG.008)"]
 
 
-SOFT = [{"file": "scene.xml", "findings": DOCTOR[0]["findings"][1:2]}]
-(ASSET,) = SIMREADY
-OPTIONAL = {name: row for name, row in SIMREADY[ASSET]["features_summary"].items() if "001" not in name}
+SOFT = [{"file": "scene.xml", "findings": REMARKS[1:2]}]
 NO_RESULT = "print('Asset: x\\n  [ERROR] Validation produced no result for profile'); sys.exit(1)"
-
-
-def report_of(features) -> str:
-    report = {ASSET: {**SIMREADY[ASSET], "features_summary": features}}
-    return f"json.dump({report!r}, open(sys.argv[sys.argv.index('--output') + 1], 'w'))"
 
 
 @pytest.mark.parametrize(
@@ -180,14 +152,9 @@ def test_the_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, l
 
 def test_a_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
     seen = tmp_path / "seen"
-    stand_in(
-        tmp_path / "bin",
-        "simcheck",
-        "open(sys.argv[2], 'w').write('changed')\n"
-        "facts = [dict(os.environ), os.getcwd(), os.listdir(), sys.path, sys.argv[1:]]\n"
-        f"json.dump(facts, open({str(seen)!r}, 'w'))\n"
-        f"print(json.dumps([{SIMCHECK!r}]))",
-    )
+    facts = "[dict(os.environ), os.getcwd(), os.listdir(), sys.path, sys.argv[1:]]"
+    code = f"open(sys.argv[2], 'w').write('changed')\njson.dump({facts}, open({str(seen)!r}, 'w'))\n"
+    stand_in(tmp_path / "bin", "simcheck", f"{code}print(json.dumps([{SIMCHECK!r}]))")
     (folder / "arm.srdf").write_text("<robot/>")
     (folder / "arm.xml").unlink()
     check_externally(folder, "arm", ["simcheck"], path)
@@ -232,26 +199,20 @@ def test_a_model_without_a_scene_is_looked_at_itself(folder, path):
     assert check.name == "arm.xml: mjcf-doctor 1.2.3"
 
 
-def test_a_version_is_that_of_the_program(path, tmp_path):
+def test_a_version_is_what_the_program_says_or_else_depends_on_its_bytes(path, tmp_path):
     assert versions(list(TOOLS), path) == dict.fromkeys(TOOLS, "1.2.3")
     other = tmp_path / "other"
     stand_in(other, "simcheck", "", version="2.0.0")
     assert versions(["simcheck"], {"PATH": str(other)}) == {"simcheck": "2.0.0"}
-
-
-def test_a_program_that_does_not_say_its_version_has_one_all_the_same(tmp_path):
-    tools = tmp_path / "silent"
-    tools.mkdir()
-    for text in ("one", "two"):
-        program = tools / text / "simcheck"
+    silent = []
+    for text in ("this", "that"):
+        program = tmp_path / text / "simcheck"
         program.parent.mkdir()
         program.write_text(f"#!/bin/sh\n# {text}\nexit 3\n")
         program.chmod(0o755)
-    first, second = (
-        versions(["simcheck"], {"PATH": str(tools / text)})["simcheck"] for text in ("one", "two")
-    )
-    assert first
-    assert first != second or external.TOOLS["simcheck"].command({"PATH": ""}) is not None
+        silent.append(versions(["simcheck"], {"PATH": str(program.parent)})["simcheck"])
+    assert silent[0]
+    assert silent[0] != silent[1] or external.TOOLS["simcheck"].command({"PATH": ""}) is not None
 
 
 def test_one_that_is_not_installed_is_an_error_that_says_how_to(monkeypatch):
@@ -286,14 +247,9 @@ def test_one_that_reads_no_format_of_the_build_is_an_error(path, name):
 
 
 def test_a_build_asks_before_it_begins(tmp_path):
-    done = called(
-        tmp_path,
-        "robot=sample",
-        "validate.external=[simcheck]",
-        environ=environment(tmp_path, PATH="/nowhere"),
-    )
     if external.TOOLS["simcheck"].command({"PATH": ""}) is not None:
         pytest.skip("simcheck is a module of this Python")
-    assert done.returncode == 2
+    environ = environment(tmp_path, PATH="/nowhere")
+    done = called(tmp_path, "robot=sample", "validate.external=[simcheck]", environ=environ, status=2)
     assert "pip install simcheck" in done.stdout + done.stderr
     assert not (tmp_path / "outputs").exists()

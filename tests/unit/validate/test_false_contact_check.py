@@ -1,14 +1,12 @@
 """Contacts of boxes and balls that slide towards each other: which are false or missed, in closed form."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.amendments import Amendment, Amendments
 from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, Geometry
 from linkwright.stages.robot.model.robot import Limits
@@ -17,8 +15,8 @@ from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.checks.contact import false_contact
 from linkwright.stages.validate.contact_errors import FALSE_DEPTH, SALT, SLIDE_TRAVEL
 from linkwright.stages.validate.model.seen_surfaces import MAX_MEASURED_POSES, SeenSurfaces, surface, winding
+from tests.support.compiled import compiled_of
 from tests.support.robots import joint, robot_with
-from tests.support.written import compiled_of
 
 ROOM = 0.2
 """How far the slider slides, from 0, towards what stands on the base [m]."""
@@ -33,11 +31,11 @@ ROBOT = robot_with(
 SEEN = 'contype="0" conaffinity="0" group="2"'
 
 
-def geoms(shapes: Sequence[str], kind: str) -> str:
+def geoms(shapes, kind):
     return "".join(f"<geom {shape} {kind}/>" for shape in shapes)
 
 
-def text(seen: Sequence[Sequence[str]], solid: Sequence[Sequence[str]], more: str = "") -> str:
+def text(seen, solid, more=""):
     """A slider along z, and a post; of each its shapes that are seen, and those that collide."""
     slider, post = (geoms(a, SEEN) + geoms(b, 'group="3"') for a, b in zip(seen, solid, strict=True))
     inertia = '<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>'
@@ -47,24 +45,24 @@ def text(seen: Sequence[Sequence[str]], solid: Sequence[Sequence[str]], more: st
     </body></worldbody>{more}</mujoco>"""
 
 
-def made_by(maker: str) -> tuple[ColliderFigures, ...]:
+def made_by(maker):
     return tuple(
         ColliderFigures(link, (), maker, "hull", 1, 8, True, None, None) for link in ("slider", "post")
     )
 
 
-def judged(mjcf: str, *excludes: Exclude, maker: str = "ladder") -> Check:
+def judged(mjcf, *excludes, maker="ladder"):
     geometry = Geometry((), {}, self_contact=True, excludes=excludes, colliders=made_by(maker))
     (check,) = false_contact.check(compiled_of(mjcf, ROBOT, geometry))
     return check
 
 
-def values() -> np.ndarray:
+def values():
     """Where the slider is at the poses of the check."""
     return sampled_poses(ROBOT, false_contact.POSES, SLIDE_TRAVEL, home(ROBOT), SALT)["slider_joint"]
 
 
-def row_of(check: Check) -> tuple[float, float, float, float]:
+def row_of(check):
     """false [%], then apart [mm], missed [%], at home [mm]."""
     assert check.table is not None
     ((body, other, *figures, _),) = check.table.rows
@@ -72,19 +70,19 @@ def row_of(check: Check) -> tuple[float, float, float, float]:
     return tuple(map(float, figures))
 
 
-def percent(where: np.ndarray) -> float:
+def percent(where):
     return round(100.0 * float(where.mean()), 1)
 
 
-def cube(half: float, height: float = 0.0) -> str:
+def cube(half, height=0.0):
     return f'type="box" size="{half} {half} {half}" pos="0 0 {height}"'
 
 
-def ball(radius: float, height: float = 0.0) -> str:
+def ball(radius, height=0.0):
     return f'type="sphere" size="{radius}" pos="0 0 {height}"'
 
 
-def box_depth() -> float:
+def box_depth():
     """How deep [m] two boxes are in each other, by MuJoCo, that are so by 20 mm."""
     boxes = "".join(
         f'<body pos="0 0 {height}"><freejoint/><geom type="box" size=".05 .05 .05"/></body>'
@@ -151,17 +149,17 @@ OPENS = 0.12
 """How far above the finger's tip at 0 the U opens [m]."""
 
 
-def u() -> list[str]:
+def u():
     half, middle = (DEPTH + WALL) / 2, OPENS + (DEPTH + WALL) / 2
     legs = [f'type="box" size="{WALL / 2} 0.02 {half}" pos="{x} 0 {middle}"' for x in (-0.035, 0.035)]
     return [*legs, f'type="box" size="0.04 0.02 {WALL / 2}" pos="0 0 {OPENS + DEPTH + WALL / 2}"']
 
 
-def finger() -> list[str]:
+def finger():
     return [f'type="box" size="{FINGER / 2} 0.01 0.1" pos="0 0 -0.1"']
 
 
-def hull_of_u() -> list[str]:
+def hull_of_u():
     half = (DEPTH + WALL) / 2
     return [f'type="box" size="0.04 0.02 {half}" pos="0 0 {OPENS + half}"']
 
@@ -193,7 +191,7 @@ CROSSING = text([[cube(0.04)], [cube(0.06, AT)]], [[cube(0.04)], [cube(0.06, AT)
 OUT = '<contact><exclude body1="slider" body2="post"/></contact>'
 
 
-def excluded(mjcf: str, reason: str, **more: object) -> Check:
+def excluded(mjcf, reason, **more):
     return judged(
         mjcf.replace("</mujoco>", f"{OUT}</mujoco>"), Exclude("slider", "post", reason, 0.0, **more)
     )
@@ -246,7 +244,6 @@ def test_what_is_within_a_solid_is_in_contact_and_within_a_shell_is_not():
 
 @NEEDS_DEPTHS
 def test_at_home_nothing_touches_that_stands_apart():
-    """By less than what counts elsewhere."""
     start = float(home(ROBOT)["slider_joint"])
     for gap, deep, named in [(0.001, 5e-4, True), (0.001, -1e-4, False), (1e-4, 5e-4, False)]:
         top = start + 0.10 + gap

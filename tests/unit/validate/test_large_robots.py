@@ -3,11 +3,9 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +13,8 @@ import pytest
 from linkwright.stages.formats.described import described
 from linkwright.stages.formats.urdf.contacts import excluded_pairs
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.robot import Dynamics, Limits, Robot
+from linkwright.stages.robot.model.robot import Dynamics, Limits
 from linkwright.stages.validate.checks.contact import contact_filter, reach
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
@@ -35,33 +32,23 @@ pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_score")]
 MANY = MAX_WHOLE_DOFS + 20
 
 
-def chain(links: int) -> Robot:
+def chain(links):
     return _robot(links, lambda number: number - 1)
 
 
-def tree(links: int) -> Robot:
+def tree(links):
     return _robot(links, lambda number: (number - 1) // 2)
 
 
-def _robot(links: int, above: Callable[[int], int]) -> Robot:
+def _robot(links, above):
     names = ["base", *(f"l{number}" for number in range(1, links))]
-    axes = [np.eye(3)[number % 3] for number in range(links)]
-    rows = [
-        joint(
-            "revolute",
-            names[above(number)],
-            name,
-            place=at(0.02 * (-1) ** number, 0.0, 0.05),
-            limits={f"{name}_joint": Limits(-0.5, 0.5)},
-            dynamics=Dynamics(0.1, 0.1, 0.01, 10, 2),
-        )
-        for number, name in enumerate(names)
-        if number
-    ]
-    rows = [
-        replace(row, dofs=tuple(replace(dof, axis=axes[at]) for dof in row.dofs))
-        for at, row in enumerate(rows)
-    ]
+    rows = []
+    for number, name in enumerate(names[1:], start=1):
+        place, limits = at(0.02 * (-1) ** number, 0.0, 0.05), {f"{name}_joint": Limits(-0.5, 0.5)}
+        mate = {"place": place, "limits": limits, "dynamics": Dynamics(0.1, 0.1, 0.01, 10, 2)}
+        row = joint("revolute", names[above(number)], name, **mate)
+        (dof,) = row.dofs
+        rows.append(replace(row, dofs=(replace(dof, axis=np.eye(3)[(number - 1) % 3]),)))
     return robot_with(rows)
 
 
@@ -115,7 +102,7 @@ def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path, ending):
     assert "mass matrix" in parity.detail
 
 
-def _parity(folder: Path, robot: Robot) -> list[Check]:
+def _parity(folder, robot):
     return [problem for problem in checked(folder, robot, plan_of()) if problem.code == "C-PARITY"]
 
 
@@ -137,14 +124,13 @@ def test_few_joints_are_swept_in_full_and_many_in_fewer_steps():
     assert (joints[0], joints[-1] > 4900, steps) == (0, True, reach.MIN_STEPS)
 
 
-def _spheres(robot: Robot) -> Robot:
+def _spheres(robot):
     """Each link a ball that touches few of the others."""
     return replace(robot, links=tuple(replace(link, shapes=(ball(0.01),)) for link in robot.links))
 
 
 @pytest.mark.parametrize("changed", [False, True])
 def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path, changed):
-    """Against every pair, one by one."""
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
     model = compiled(exported(robot, geometry))
@@ -201,13 +187,12 @@ def test_a_thousand_links_take_seconds_and_little_memory(tmp_path, make):
     assert figures["memory"] < 0.5e9
 
 
-def _is_quick(figures: dict[str, Any], make: Callable[[int], Robot]) -> bool:
+def _is_quick(figures, make):
     own = figures["seconds"] - figures["compiles"]
     return bool(own < (3.0 if make is chain else 6.0) and figures["seconds"] < 8.0)
 
 
-def _run(command: list[str]) -> dict[str, Any]:
+def _run(command):
     here = Path(__file__).parents[3]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=here)
-    figures: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return figures
+    return json.loads(done.stdout.splitlines()[-1])

@@ -2,7 +2,6 @@
 
 import importlib
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,9 +13,9 @@ from linkwright.pipeline.plugins.loader import sources, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.user_checks import UserCheck
-from tests.support.command import COMMAND
+from tests.support.command import linkwright
+from tests.support.compiled import compiled_of
 from tests.support.places import PROJECT
-from tests.support.written import compiled_of
 
 MODEL = '<mujoco><worldbody><body name="base"><joint/><geom size=".1" mass="2"/></body></worldbody></mujoco>'
 
@@ -60,12 +59,11 @@ def test_a_single_check_and_a_code_of_its_own():
 
 def test_an_error_is_one_message_with_its_place():
     (check,) = results(broken, "my_checks.broken")
-    assert not check.passed
-    assert check.code == "X-BROKEN"
-    line = broken.__code__.co_firstlineno + 2
-    assert check.detail == (
-        f"my_checks.broken raised ValueError: no such motor (test_own_checks.py, line {line})"
-    )
+    place = f"(test_own_checks.py, line {broken.__code__.co_firstlineno + 2})"
+    assert (check.passed, check.code) == (False, "X-BROKEN")
+    assert check.detail == f"my_checks.broken raised ValueError: no such motor {place}"
+    (other,) = results(light, wrong=1)
+    assert "TypeError" in other.detail
 
 
 @pytest.mark.parametrize("gives", [None, "text", 3, [1]])
@@ -73,11 +71,6 @@ def test_what_is_no_check_is_said(gives):
     (check,) = results(lambda compiled: gives)
     assert not check.passed
     assert "must yield checks" in check.detail
-
-
-def test_a_wrong_key_is_an_error_of_the_check():
-    (check,) = results(light, wrong=1)
-    assert "TypeError" in check.detail
 
 
 def test_a_target_is_covered_by_its_module_and_those_above_it():
@@ -115,14 +108,11 @@ def test_code_anywhere_else_is_refused_whatever_is_trusted():
     ],
 )
 def test_a_target_that_cannot_be_found(path, said):
+    assert target({"_target_": "json.dumps"}, ["json"], "") is json.dumps
     with pytest.raises(ConfigError) as caught:
         target({"_target_": path}, ["no_such_module_here", "json"], "validate.checks.0")
     assert said in caught.value.message
     assert caught.value.where == "validate.checks.0"
-
-
-def test_a_target_is_found():
-    assert target({"_target_": "json.dumps"}, ["json"], "") is json.dumps
 
 
 def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
@@ -184,17 +174,14 @@ def light(compiled, most):
 """
 
 
+@pytest.mark.e2e
 def test_a_build_runs_them_from_the_working_folder(tmp_path):
     (tmp_path / "my_own_checks.py").write_text(OWN)
-    words = [str(COMMAND), "robot=sample", "mesh=visual", "output=out", "export=mjcf"]
-    own = ["validate.checks=[{_target_: my_own_checks.light, most: 0.5}]"]
-    refused = subprocess.run([*words, *own], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert refused.returncode == 2
+    words = ["robot=sample", "mesh=visual", "output=out", "export=mjcf"]
+    words.append("validate.checks=[{_target_: my_own_checks.light, most: 0.5}]")
+    refused = linkwright(tmp_path, *words, status=2)
     assert "E-TRUST validate.checks[0]._target_" in refused.stderr
     assert "2 problems" not in refused.stderr
     assert "plugins=[my_own_checks]" in refused.stderr
-    done = subprocess.run(
-        [*words, *own, "plugins=[my_own_checks]"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 3, done.stdout + done.stderr
+    done = linkwright(tmp_path, *words, "plugins=[my_own_checks]", status=3)
     assert "FAILED X-LIGHT sample.xml: weight" in done.stdout

@@ -1,12 +1,10 @@
 """The parity of files with the robot: what the check says, and the dynamics that it compares with."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.dynamics.statics import holding_forces
 from linkwright.stages.robot.model.robot import Limits, frozen
@@ -28,7 +26,7 @@ def arm():
     return robot_with(joints)
 
 
-def checks_in(folder: Path) -> list[Check]:
+def checks_in(folder):
     robot = arm()
     checks = checked(folder, robot, plan_of())
     return [check for check in checks if check.code == "C-PARITY"]
@@ -112,7 +110,7 @@ def test_the_dynamics_are_those_of_the_robots_own_mass_matrix_and_statics():
     for index in (0, 7, 42):
         q = np.array([values[name][index] for name in names])
 
-        def mass(q: np.ndarray) -> np.ndarray:
+        def mass(q):
             return mass_matrix(robot, dict(zip(names, map(float, q), strict=True)))
 
         assert np.abs(mass(q) - moving.mass[index]).max() < 1e-9

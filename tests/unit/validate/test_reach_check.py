@@ -9,15 +9,15 @@ import pytest
 
 from linkwright.stages.validate.checks.contact import reach
 from linkwright.stages.validate.model.equality_solver import EqualitySolver, swept_joints
+from tests.support.compiled import compiled_of
 from tests.support.robots import joint, robot_with
-from tests.support.written import compiled_of
 
 LONG, RADIUS, END = 0.5, 0.05, 1.2
 
 TWO = robot_with([joint("revolute", "base", "arm", [0.0]), joint("revolute", "base", "post", [0.0])])
 
 
-def ball_and_post(angle: float, more: str = "", ball: str = "", post: str = 'range="0 .0001"') -> str:
+def ball_and_post(angle, more="", ball="", post='range="0 .0001"'):
     """An arm that turns from -1.2 to 1.2, with a ball at its end; and a ball on the circle of that, at an
     angle."""
     x, y = LONG * math.cos(angle), LONG * math.sin(angle)
@@ -51,16 +51,17 @@ def test_the_pair_the_angle_and_the_depth():
     assert check.findings[0].attribute == "range"
 
 
-def test_links_that_do_not_meet_pass():
-    assert meetings(ball_and_post(END + 2 * math.asin(RADIUS / LONG) + 0.01))[0] == []
-
-
-def test_links_that_do_not_collide_do_not_meet():
-    assert meetings(ball_and_post(END, '<contact><exclude body1="arm" body2="post"/></contact>'))[0] == []
-
-
-def test_what_touches_at_home_is_no_finding():
-    assert meetings(ball_and_post(0.01))[0] == []
+@pytest.mark.parametrize(
+    "text",
+    [
+        ball_and_post(END + 2 * math.asin(RADIUS / LONG) + 0.01),
+        ball_and_post(END, '<contact><exclude body1="arm" body2="post"/></contact>'),
+        ball_and_post(0.01),
+    ],
+    ids=["they do not meet", "they do not collide", "they touch at home"],
+)
+def test_links_that_do_not_meet_pass(text):
+    assert meetings(text)[0] == []
 
 
 def test_a_joint_without_a_range_turns_once():
@@ -104,7 +105,6 @@ FOUR_BAR = """<mujoco><compiler angle="radian"/><worldbody>
 
 
 def test_a_parallelogram_is_closed_by_equal_angles():
-    """Its rocker turns as its crank, and its rod back by as much."""
     model = mujoco.MjModel.from_xml_string(FOUR_BAR)
     pose = model.qpos0.copy()
     solver = EqualitySolver(model)
@@ -140,7 +140,6 @@ def test_a_robot_that_collides_with_nothing_is_not_looked_at():
 
 
 def test_values_increase_from_home_outwards():
-    """The first collision is that nearest to home, on both sides."""
     rows, _ = meetings(ball_and_post(0.5))
     ((_, _, _, first, deepest, _),) = rows
     assert all(angle <= other for angle, other in pairwise([0.0, first, deepest]))

@@ -1,14 +1,13 @@
 """The points of sim-readiness: a robot that meets them, and faults that are found under their numbers."""
 
 import shutil
-from pathlib import Path
 
 import mujoco
 import pytest
 
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
-from linkwright.stages.robot.model.robot import Frame, Robot
+from linkwright.stages.robot.model.robot import Frame
 from linkwright.stages.validate.readiness.finished import Finished
 from linkwright.stages.validate.readiness.points import POINTS
 from linkwright.stages.validate.readiness.score import MISSING, NOT_APPLICABLE, PASSED, score
@@ -40,7 +39,7 @@ def good(tmp_path_factory):
     return robot, folder
 
 
-def verdicts(robot: Robot, folder: Path, **more) -> dict[int, tuple[str, str]]:
+def verdicts(robot, folder, **more):
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     check = score(Finished(folder, robot, model, **more))
     assert check.passed

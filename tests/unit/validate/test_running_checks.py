@@ -15,13 +15,13 @@ from linkwright.stages.validate.checks.contact import start
 from linkwright.stages.validate.checks.simulation import control_noise, energy, rest, time_step
 from linkwright.stages.validate.simulate.energy import SECONDS, drift_of_energy
 from linkwright.stages.validate.simulate.noise import control_ranges
-from tests.support.compiled import compiled_of, only
+from tests.support.compiled import only, world_of
 from tests.support.robots import joint, robot_with
 
 GRAVITY = 9.81
 
 
-def pendulum(mass: float = 1.0, length: float = 0.5, moment: float = 1e-3, joint: str = "") -> str:
+def pendulum(mass=1.0, length=0.5, moment=1e-3, joint=""):
     """A body that hangs along -z, on a hinge about y."""
     return (
         f'<body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0" {joint}/>'
@@ -29,11 +29,8 @@ def pendulum(mass: float = 1.0, length: float = 0.5, moment: float = 1e-3, joint
     )
 
 
-# --- energy -------------------------------------------------------------------------------------------------
-
-
 def test_a_pendulum_keeps_its_energy():
-    verdict = only(energy.check(compiled_of(pendulum())), "energy")
+    verdict = only(energy.check(world_of(pendulum())), "energy")
     assert verdict.passed
     assert 0.0 < verdict.value < 1e-6
 
@@ -42,7 +39,7 @@ def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
     """Small swings are those of a linear oscillator, whose energy the method of fourth order multiplies in
     each step by 1 - z⁶/72 + z⁸/576, z = ω h."""
     length = 1e-4
-    compiled = compiled_of(pendulum(length=length, moment=1e-13))
+    compiled = world_of(pendulum(length=length, moment=1e-13))
     (first, whole), (second, halved), *_ = drift_of_energy(compiled.model).by_step
     for step, drift in ((first, whole), (second, halved)):
         z = math.sqrt(GRAVITY / length) * step
@@ -62,7 +59,7 @@ def test_a_chain_that_tumbles_keeps_its_energy(kind):
         for n in range(3)
     )
     free = '<body name="b"><freejoint name="f"/><inertial mass="1" pos=".1 0 0" diaginertia=".01 .02 .03"/>'
-    verdict = only(energy.check(compiled_of(free + links + "</body>" * 4)), "energy")
+    verdict = only(energy.check(world_of(free + links + "</body>" * 4)), "energy")
     assert verdict.passed
     assert verdict.value > 0.0
 
@@ -70,7 +67,7 @@ def test_a_chain_that_tumbles_keeps_its_energy(kind):
 def test_an_inertia_of_nothing_is_an_error():
     """Its swings, √(g / l) = 990 rad/s, are too fast for a sixteenth of the step, where ω h is 3.1."""
     more = '<option timestep="0.05"/>'
-    verdict = only(energy.check(compiled_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
+    verdict = only(energy.check(world_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
     assert verdict.fails
     assert verdict.findings[0].attribute == "timestep"
 
@@ -79,7 +76,7 @@ def test_a_force_that_takes_energy_is_an_error(monkeypatch):
     """A damper that is left in: the energy falls by 2 · ½ b ω² per second, where ½ I ω² is the most."""
     monkeypatch.setattr("linkwright.stages.validate.simulate.energy.PASSIVE", ())
     text = pendulum(length=0.0, moment=1.0, joint='damping="0.01"')
-    verdict = only(energy.check(compiled_of(text)), "energy")
+    verdict = only(energy.check(world_of(text)), "energy")
     assert verdict.fails
     assert verdict.value == pytest.approx((1 - math.exp(-0.02 * SECONDS)) / SECONDS, rel=1e-6)
 
@@ -88,14 +85,12 @@ def test_what_takes_energy_by_design_is_left_out_and_put_back():
     option = '<option integrator="implicitfast" density="1.2" viscosity="1"/>'
     more = option + '<actuator><motor joint="swing"/></actuator>'
     joint = 'damping="1" frictionloss=".1" stiffness="3" range="-.01 .01" limited="true"'
-    compiled = compiled_of(pendulum(joint=joint), more=more)
+    compiled = world_of(pendulum(joint=joint), more=more)
     model = compiled.model
     before = (model.opt.integrator, model.opt.timestep, model.opt.disableflags, model.opt.enableflags)
     assert only(energy.check(compiled), "energy").passed
     assert before == (model.opt.integrator, model.opt.timestep, model.opt.disableflags, model.opt.enableflags)
 
-
-# --- start --------------------------------------------------------------------------------------------------
 
 BALLS = (
     '<geom name="floor" type="plane" size="1 1 1"/>'
@@ -110,7 +105,7 @@ BALLS = (
     [(0.0996, 0.2992, {}), (0.0994, 0.3, {("low", "the ground"): 0.6}), (0.1, 0.293, {("high", "low"): 7.0})],
 )
 def test_a_start_deeper_than_half_a_millimetre_is_an_error(low, high, depths):
-    (result,) = start.check(compiled_of(BALLS.format(low=low, high=high)))
+    (result,) = start.check(world_of(BALLS.format(low=low, high=high)))
     assert result.passed == (not depths)
     assert result.fails == bool(depths)
     for (body, other), depth in depths.items():
@@ -124,16 +119,14 @@ HOME = '<keyframe><key name="home" qpos="0 0 {} 1 0 0 0 0"/></keyframe>'
 
 
 def test_at_qpos0_it_is_a_warning_where_there_is_a_home():
-    compiled = compiled_of(BALLS.format(low=0.05, high=0.4), more=HOME.format(0.1))
+    compiled = world_of(BALLS.format(low=0.05, high=0.4), more=HOME.format(0.1))
     assert only(start.check(compiled), "start at home").passed
     assert only(start.check(compiled), "start at qpos0").warns
 
 
 @pytest.mark.parametrize("fixed", [True, False])
 def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(fixed):
-    compiled = compiled_of(
-        BALLS.format(low=0.1, high=0.4), robot_with([], fixed=fixed), more=HOME.format(0.05)
-    )
+    compiled = world_of(BALLS.format(low=0.1, high=0.4), robot_with([], fixed=fixed), more=HOME.format(0.05))
     verdict = only(start.check(compiled), "start at home")
     assert (verdict.fails, verdict.warns) == (not fixed, fixed)
     assert "50 mm inside the ground" in verdict.findings[0].message
@@ -154,7 +147,7 @@ def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(f
 def test_an_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixed):
     robot = robot_with([], fixed=fixed)
     text = BALLS.format(low=0.1, high=0.4).replace('name="low"', f'name="{robot.root.name}"')
-    compiled = compiled_of(thing + text, robot, more=HOME.format(0.1))
+    compiled = world_of(thing + text, robot, more=HOME.format(0.1))
     verdict = only(start.check(compiled), "start at home")
     assert verdict.fails
     assert [finding.element for finding in verdict.findings] == [f'body "{robot.root.name}"']
@@ -166,7 +159,7 @@ def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
     text, more = BALLS.format(low=0.1, high=0.293), HOME.format(0.1)
     for depth, fails in ((0.007, False), (0.003, True)):
         geometry = Geometry((), {}, touching=(Touch("low", "high", depth),))
-        verdict = only(start.check(compiled_of(text, more=more, geometry=geometry)), "start at home")
+        verdict = only(start.check(world_of(text, more=more, geometry=geometry)), "start at home")
         assert (verdict.fails, verdict.warns) == (fails, not fails)
 
 
@@ -185,15 +178,11 @@ def test_what_its_source_has_so_is_a_warning(how):
     robot = replace(robot_with([], fixed=False), mjcf=extras)
     root = from_parts(np.eye(3), np.array(place))
     scene = Scene(root, (("home", root),), ground)
-    compiled = compiled_of(BALLS.format(low=0.1, high=0.4), robot, more=HOME.format(0.05), scene=scene)
+    compiled = world_of(BALLS.format(low=0.1, high=0.4), robot, more=HOME.format(0.05), scene=scene)
     verdict = only(start.check(compiled), "start at home")
-    assert (verdict.warns, verdict.fails) == (
-        (how == "as its source has it"),
-        (how != "as its source has it"),
-    )
+    in_source = how == "as its source has it"
+    assert (verdict.warns, verdict.fails) == (in_source, not in_source)
 
-
-# --- rest ---------------------------------------------------------------------------------------------------
 
 SERVO = (
     '<actuator><position name="servo" joint="swing" kp="{kp}" kv="{kv}"/></actuator>'
@@ -203,17 +192,17 @@ SERVO = (
 
 def test_a_servo_sags_by_the_weight_over_its_stiffness():
     """At rest kp · sag is the torque of the weight, m g l sin(q)."""
-    kp, q = 100.0, 1.0
-    verdict = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=kp, kv=20, q=q))), "rests at home")
-    sag = 0.0
+    kp, q, sag = 100.0, 1.0, 0.0
     for _ in range(50):
         sag = 0.5 * GRAVITY * math.sin(q - sag) / kp
+    verdict = only(rest.check(world_of(pendulum(), more=SERVO.format(kp=kp, kv=20, q=q))), "rests at home")
     assert verdict.passed
     assert verdict.value == pytest.approx(sag / rest.MAX_SAG, rel=1e-3)
 
 
 def test_a_servo_that_is_too_weak_is_a_warning():
-    verdict = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))), "rests at home")
+    weak = world_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))
+    verdict = only(rest.check(weak), "rests at home")
     assert verdict.warns
     assert verdict.findings[0].element == 'actuator "servo"'
 
@@ -221,26 +210,17 @@ def test_a_servo_that_is_too_weak_is_a_warning():
 @pytest.mark.parametrize("ground", [True, False])
 def test_a_joint_that_nothing_drives_and_a_base_that_falls_are_warnings(ground):
     """A base can stand only where something carries it: without a ground it floats in space."""
-    swing = (
-        pendulum()
-        .replace("bob", "other")
-        .replace("swing", "idle")
-        .replace('axis="0 1 0"', 'axis="0 1 0" ref="60"')
-    )
+    swing = pendulum().replace("bob", "other").replace("swing", "idle").replace('0 1 0"', '0 1 0" ref="60"')
     base = '<body name="base" pos="5 0 1"><freejoint name="base"/><geom type="sphere" size=".1"/></body>'
     text = pendulum() + swing.replace('pos="0 0 -0.5"', 'pos="-0.5 0 0"') + base
     text += '<geom type="plane" size="1 1 1" pos="0 0 -9"/>' if ground else ""
     more = '<actuator><position joint="swing" kp="100" kv="20"/></actuator>'
     robot = robot_with([joint("revolute", "base", name) for name in ("bob", "other")])
-    verdict = only(rest.check(compiled_of(text, robot, more=more)), "rests at home")
-    assert verdict.warns
-    assert {finding.element for finding in verdict.findings} == {'joint "idle"', *['joint "base"'] * ground}
-    without_a_name = text.replace('name="base"/>', "/>")
-    verdict = only(rest.check(compiled_of(without_a_name, robot, more=more)), "rests at home")
-    assert {finding.element for finding in verdict.findings} == {
-        'joint "idle"',
-        *['joint of body "base"'] * ground,
-    }
+    without_name = text.replace('name="base"/>', "/>")
+    for whole, base in ((text, 'joint "base"'), (without_name, 'joint of body "base"')):
+        verdict = only(rest.check(world_of(whole, robot, more=more)), "rests at home")
+        assert verdict.warns
+        assert {finding.element for finding in verdict.findings} == {'joint "idle"', *[base] * ground}
 
 
 def test_what_lies_beside_the_robot_need_not_rest():
@@ -249,33 +229,28 @@ def test_what_lies_beside_the_robot_need_not_rest():
     ground = '<geom type="plane" size="1 1 1" pos="0 0 -9"/>'
     for beside, rests in ((ball, True), (ball.replace("ball", "base"), False)):
         more = SERVO.format(kp=1000, kv=20, q=0.0).replace('qpos="0.0"', 'qpos="0 5 0 1 1 0 0 0"')
-        verdict = only(
-            rest.check(compiled_of(pendulum() + beside + ground, robot, more=more)), "rests at home"
-        )
-        assert verdict.passed == rests
+        compiled = world_of(pendulum() + beside + ground, robot, more=more)
+        assert only(rest.check(compiled), "rests at home").passed == rests
 
 
-# --- control noise ------------------------------------------------------------------------------------------
-
-
-def shaky(kv: float) -> object:
+def shaky(kv):
     """An arm with a servo; damping that is not integrated implicitly is unstable above 2 I / step."""
     option = '<option integrator="Euler" timestep="0.002"/>'
     joint = 'limited="true" range="-60 60"'
-    return compiled_of(pendulum(joint=joint), more=option + SERVO.format(kp=50, kv=kv, q=0.0))
-
-
-def test_noise_that_a_servo_bears_passes():
-    assert only(control_noise.check(shaky(5.0)), "control noise").passed
+    return world_of(pendulum(joint=joint), more=option + SERVO.format(kp=50, kv=kv, q=0.0))
 
 
 def test_a_servo_that_noise_blows_up_is_an_error_though_it_rests():
     """The inertia about the joint is 0.251 kg m²: above 251 N m s/rad steps of 2 ms overshoot."""
+    assert only(control_noise.check(shaky(5.0)), "control noise").passed
     compiled = shaky(400.0)
     assert only(rest.check(compiled), "rests at home").passed
     verdict = only(control_noise.check(compiled), "control noise")
     assert verdict.fails
     assert verdict.findings[0].element == 'joint "swing"'
+    # Each run has the same noise.
+    first, again = (control_noise.run_with_noise(compiled.model, 1.0) for _ in range(2))
+    assert first == again
 
 
 def test_noise_fills_the_range_of_each_control():
@@ -283,7 +258,7 @@ def test_noise_fills_the_range_of_each_control():
         '<actuator><motor joint="swing" ctrlrange="-3 5"/><position joint="swing" kp="1"/>'
         '<motor joint="swing"/></actuator>'
     )
-    compiled = compiled_of(pendulum(joint='range="-90 30" limited="true"'), more=more)
+    compiled = world_of(pendulum(joint='range="-90 30" limited="true"'), more=more)
     ranges = control_ranges(compiled.model)
     assert ranges.tolist() == [[-3, 5], [pytest.approx(-math.pi / 2), pytest.approx(math.pi / 6)], [-1, 1]]
 
@@ -300,27 +275,17 @@ def test_a_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, ends):
     """What the MJCF has for an open end, ±1e6 rad, is no target for a servo."""
     more = '<compiler angle="radian"/><actuator><position joint="swing" kp="1"/></actuator>'
     joint = f'range="{limits[0]} {limits[1]}" limited="true"'
-    compiled = compiled_of(pendulum(joint=joint), more=more)
+    compiled = world_of(pendulum(joint=joint), more=more)
     assert control_ranges(compiled.model)[0].tolist() == pytest.approx(ends)
 
 
-def test_a_run_with_noise_is_the_same_every_time():
-    compiled = shaky(400.0)
-    assert control_noise.run_with_noise(compiled.model, 1.0) == control_noise.run_with_noise(
-        compiled.model, 1.0
-    )
-
-
-# --- time step ----------------------------------------------------------------------------------------------
-
-
-def spring(stiffness: float) -> object:
+def spring(stiffness):
     """A mass of 1 kg on a spring without damping, away from where it rests."""
     text = (
         '<body name="b"><joint name="s" type="slide" axis="1 0 0" stiffness="1" springref=".1"/>'
         '<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
     )
-    compiled = compiled_of(text, more='<option timestep="0.002" integrator="Euler"/>')
+    compiled = world_of(text, more='<option timestep="0.002" integrator="Euler"/>')
     compiled.model.jnt_stiffness[0] = stiffness
     return compiled
 
@@ -345,10 +310,7 @@ def test_what_blows_up_at_half_the_step_is_an_error():
 
 @pytest.mark.parametrize("check", [energy.check, rest.check, control_noise.check, time_step.check])
 def test_what_cannot_move_is_not_simulated(check):
-    assert list(check(compiled_of('<body name="b"><geom size="1"/></body>'))) == []
-
-
-# --- steps per second ---------------------------------------------------------------------------------------
+    assert list(check(world_of('<body name="b"><geom size="1"/></body>'))) == []
 
 
 def test_the_speed_is_measured_of_the_scene_with_strict_alone(tmp_path):

@@ -1,13 +1,10 @@
 """The check of the robot's contact with itself finds what touches at `home` and should not, or is unknown."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import pytest
 
-from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.start_pose import home
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
@@ -19,12 +16,12 @@ from tests.unit.mesh.test_contacts import base_arm_hand, gripper
 pytestmark = pytest.mark.usefixtures("no_score")
 
 
-def closed_gripper() -> Robot:
+def closed_gripper():
     """Its racks always overlap, and its pads do at home, by 6 mm."""
     return gripper(-0.058)
 
 
-def failures(robot: Robot, geometry: Geometry, folder: Path, *edits: tuple[str, str]) -> list[str]:
+def failures(robot, geometry, folder, *edits):
     """What the checks of each file say that fail; the files are written with `edits`, each of which is
     needed."""
     write(robot, folder, geometry=geometry)

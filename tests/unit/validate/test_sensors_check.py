@@ -1,12 +1,9 @@
 """The check of sensors finds what is changed in a file."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from linkwright.stages.export import Exported
-from linkwright.stages.robot.model.robot import Frame, Limits, Robot, frozen
+from linkwright.stages.robot.model.robot import Frame, Limits, frozen
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.faults.checks import SENSING
@@ -26,7 +23,7 @@ SENSORS = {
 KEYS = {"sensors": SENSORS, "actuators": {"*": {"type": "motor", "encoder": True}}}
 
 
-def chain(root: str = "base") -> Robot:
+def chain(root="base"):
     """The root – turn – arm – fixed – hand – turn – eye, and a frame on the root."""
     joints = [
         joint("revolute", root, "arm", place=PLACES[0], limits={"arm_joint": Limits(-1, 1)}),
@@ -36,7 +33,7 @@ def chain(root: str = "base") -> Robot:
     return robot_with(joints, root=root, frames=[Frame("mount", root, frozen(PLACES[3]), "")])
 
 
-def checked(robot: Robot, folder: Path, outcome: Exported) -> dict[str, bool]:
+def checked(robot, folder, outcome):
     checks = validate(folder, outcome.written, plan_of(**KEYS))
     return {check.name: check.passed for check in checks}
 

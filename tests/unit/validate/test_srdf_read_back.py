@@ -1,20 +1,18 @@
 """The SRDF is held against the robot: what only some robots have, and what a user may add by hand."""
 
-from pathlib import Path
-
 import pytest
 
-from linkwright.stages.robot.model.robot import Frame, Limits, Robot, frozen
+from linkwright.stages.robot.model.robot import Frame, Limits, frozen
 from tests.support.building import plan_of, write
+from tests.support.checked import srdf_checks
 from tests.support.faults.checks import SRDF_OF_A_USER
 from tests.support.robots import at, joint, robot_with
-from tests.support.srdf_checks import srdf_checks
 from tests.support.touching import box, geometry_of
 
 MOTOR = {"type": "motor"}
 
 
-def robot(**more: object) -> Robot:
+def robot(**more):
     """A shoulder, an elbow and a ball, with a frame at the end."""
     limits = {name: Limits(-1, 1) for name in ("shoulder", "elbow")}
     rows = [
@@ -27,7 +25,7 @@ def robot(**more: object) -> Robot:
     return robot_with(rows, frames=[tool], shapes=shapes, **more)
 
 
-def findings(folder: Path, old: str = "", new: str = "", **keys: object) -> list[tuple[str, str]]:
+def findings(folder, old="", new="", **keys):
     """Elements and attributes that the checks name, after a change to the text."""
     own = robot()
     write(
@@ -43,7 +41,7 @@ def findings(folder: Path, old: str = "", new: str = "", **keys: object) -> list
     return problems_of(folder)
 
 
-def problems_of(folder: Path) -> list[tuple[str, str]]:
+def problems_of(folder):
     return [
         (finding.element, finding.attribute) for check in srdf_checks(folder) for finding in check.findings
     ]

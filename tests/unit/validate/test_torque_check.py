@@ -1,10 +1,7 @@
 """What each joint needs to hold the weight: closed forms, the virtual work of a loop, and a payload."""
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,7 +9,7 @@ import pytest
 
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.model.poses import from_parts
-from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, Robot, frozen
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.check_options import CheckOptions
@@ -30,7 +27,7 @@ AROUND_Y = from_parts(np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]), np.zeros(3
 SERVOS = {"*": {"type": "position", "kp": 100, "kv": 10}}
 
 
-def arm(effort: float | None = None) -> Robot:
+def arm(effort=None):
     """Two links of 1 kg and 2 kg with their masses 0.3 m along x, on hinges about y with a range of ±1 rad;
     the second hinge is 0.5 m along x, and a frame another 0.5 m."""
     made = {
@@ -48,9 +45,7 @@ def arm(effort: float | None = None) -> Robot:
     )
 
 
-def compiled_model(
-    robot: Robot, folder: Path, payload: Iterable[tuple[str, float]] = (), **keys: Any
-) -> CompiledModel:
+def compiled_model(robot, folder, payload=(), **keys):
     exported = write(robot, folder, plan_of(**{"actuators": SERVOS, **keys}))
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     options = CheckOptions(payload=tuple(payload))
@@ -97,10 +92,10 @@ def test_one_joint_holds_a_loop_by_virtual_work(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     model.opt.gravity = (1.0, -GRAVITY, 0.3)
 
-    def pose(q: float) -> dict[str, float]:
+    def pose(q):
         return {"drive": q, "pin": -q, "swing": q, "close": -q}
 
-    def energy(q: float) -> float:
+    def energy(q):
         poses = link_poses(robot, pose(q))
         places = {
             link.name: robot.world_from_root @ poses[link.name] @ np.append(link.inertial.com, 1.0)

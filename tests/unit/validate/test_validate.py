@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -12,7 +11,7 @@ from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.model.poses import inverse, turns_from_rotation
 from linkwright.stages.robot.model.poses import turn as turned
-from linkwright.stages.robot.model.robot import Frame, Limits, Relation, Robot
+from linkwright.stages.robot.model.robot import Frame, Limits, Relation
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.checks import MODEL_CHECKS
@@ -67,7 +66,7 @@ def copy(good, tmp_path):
     return good[0], shutil.copytree(good[1], tmp_path / "copy")
 
 
-def only_compared(monkeypatch) -> None:
+def only_compared(monkeypatch):
     """Leaves the checks that compare with the robot: a simulation takes seconds."""
     compared = [check for check in MODEL_CHECKS if "simulated" not in check.files]
     monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", compared)
@@ -96,7 +95,7 @@ def test_a_planted_fault_is_found_and_named(fault, good, tmp_path, monkeypatch):
     assert catches(fault, planted, checks), (planted, [check for check in checks if not check.passed])
 
 
-def failed_of(robot: Robot, folder: Path) -> list[str]:
+def failed_of(robot, folder):
     return [check.name for check in checked(folder, robot, plan_of()) if check.fails]
 
 
@@ -134,7 +133,7 @@ def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(copy, mon
 def test_how_finely_mujoco_finds_axes_is_measured(monkeypatch):
     true_axes = mujoco.mju_eig3
 
-    def coarse(values: np.ndarray, vectors: np.ndarray, quat: np.ndarray, tensor: np.ndarray) -> None:
+    def coarse(values, vectors, quat, tensor):
         true_axes(values, vectors, quat, tensor)
         values[:] *= 1 + 1e-5
 
@@ -154,27 +153,19 @@ def test_quick_only_reads_and_compiles(good):
     assert {check.code for check in checks} == {"C-COMPILE", "C-ASSET-UNUSED", *of_text}
 
 
-def every_kind(root: str = "base", fixed: bool = True) -> Robot:
+def every_kind(root="base", fixed=True):
     """All types of joints in a row and of loops beside them, at odd places, saved off zero, with an
     inertial of the user's own and a root frame that is not the assembly's origin."""
     rng = np.random.default_rng(11)
     joints, above = [], root
     for kind in ("revolute", "cylindrical", "ball", "planar", "pin_slot", "parallel", "fixed"):
         values = [robots.some_value(freedom, rng) for _, freedom, _ in robots.CHAINS[kind]]
-        limits = {f"{kind}_joint_slide": Limits(-2, 2)}
-        origins = [robots.pose(rng) for _ in values[1:]]
-        joints.append(
-            robots.joint(
-                kind,
-                above,
-                kind,
-                values,
-                place=robots.pose(rng),
-                backwards=kind in ("cylindrical", "ball"),
-                limits=limits,
-                origins=origins,
-            )
-        )
+        mate = {
+            "limits": {f"{kind}_joint_slide": Limits(-2, 2)},
+            "backwards": kind in ("cylindrical", "ball"),
+        }
+        mate |= {"origins": [robots.pose(rng) for _ in values[1:]], "place": robots.pose(rng)}
+        joints.append(robots.joint(kind, above, kind, values, **mate))
         above = kind
     loose = robots.some_value("free", rng)
     joints.append(robots.joint("free", root, "loose", [loose], place=robots.pose(rng)))
@@ -194,10 +185,7 @@ def every_kind(root: str = "base", fixed: bool = True) -> Robot:
         joints,
         loops=loops,
         relations=[Relation("tie", second.name, first.name, 0.3, second.saved - 0.3 * first.saved)],
-        frames=[
-            Frame("tip", "parallel", robots.pose(rng), "Tip"),
-            Frame("foot", root, robots.pose(rng), "Foot"),
-        ],
+        frames=[Frame(n, link, robots.pose(rng), n) for n, link in (("tip", "parallel"), ("foot", root))],
         root=root,
         fixed=fixed,
         world_from_root=None if root == "world" else robots.pose(rng),

@@ -1,18 +1,13 @@
 """C-VARIANTS: variants of another model, with values that no robot can have, or that do not hold."""
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export import Exported
 from linkwright.stages.formats.variants import Variants
-from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.text.file_names import VARIANTS as FILE
 from linkwright.stages.validate.checks.simulation.variants import check
 from linkwright.stages.validate.compiled import CompiledModel
@@ -33,7 +28,7 @@ def built(tmp_path_factory):
     return folder, write(hinges(), folder, plan)
 
 
-def results(folder: Path, exported: Exported) -> dict[str, Check]:
+def results(folder, exported):
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     compiled = CompiledModel(folder / "scene.xml", model, exported.written)
     return {check.name.removeprefix("scene.xml: "): check for check in check(compiled)}
@@ -52,22 +47,22 @@ def test_without_a_file_nothing_is_said(built, tmp_path):
     assert results(folder, built[1]) == {}
 
 
-def with_field(field: str, change: Callable[[Any], Any]) -> Callable[[Variants], Variants]:
-    def changed(variants: Variants) -> Variants:
+def with_field(field, change):
+    def changed(variants):
         return replace(variants, fields={**variants.fields, field: change(variants.fields[field].copy())})
 
     return changed
 
 
-def put(index: Any, value: float) -> Callable[[Any], Any]:
-    def change(values: Any) -> Any:
+def put(index, value):
+    def change(values):
         values[index] = value
         return values
 
     return change
 
 
-BAD: dict[str, tuple[Callable[[Variants], Variants], str]] = {
+BAD = {
     "nan": (with_field("body_ipos", put((3, 1, 0), np.nan)), "not finite"),
     "no mass": (with_field("body_mass", put((3, 2), 0.0)), "body_mass"),
     "mass of the world": (with_field("body_mass", put((3, 0), 1.0)), "body_mass"),

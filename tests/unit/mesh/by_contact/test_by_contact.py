@@ -9,14 +9,16 @@ import pytest
 import trimesh
 
 from linkwright.stages.mesh import make_geometry
+from linkwright.stages.mesh.by_contact.meeting import with_jaws
+from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.errors import MeshError
 from linkwright.stages.robot.model.robot import Inertial, Limits, MeshRef, Part, frozen
 from tests.support.building import plan_of
 from tests.support.exports import compiled, exported
-from tests.support.robots import joint, robot_with
-from tests.support.solids import bodies_of
-from tests.support.touching import no_memo
+from tests.support.robots import at, joint, robot_with
+from tests.support.solids import bodies_of, of_mesh
+from tests.support.touching import Memory, no_memo
 
 DEPTH, WIDTH = 0.05, 0.02
 """Depth and width of the slot [m]."""
@@ -104,7 +106,6 @@ def test_links_that_may_not_collide_are_not_cut():
 
 
 def test_links_that_meet_the_world_follow_their_surface(usual):
-    """As ends of chains, by a glob, or all of them."""
     for collider in usual.colliders:
         assert collider.measures.protrusion_p95 <= collider.tolerance
         assert "meets the world" in collider.reason
@@ -125,18 +126,11 @@ def test_order_of_joints_changes_nothing(usual):
 
 
 def test_all_is_kept_under_one_key_and_a_limit_is_part_of_it(usual):
-    keys = set()
-
-    def memo(kind, key, make):
-        if kind == "mesh.by_contact":
-            keys.add(repr(key))
-        return make()
-
+    memo = Memory()
     assert made(memo=memo).colliders == usual.colliders
-    assert len(keys) == 1
     made(memo=memo, fine=[])
     made(robot(lowest=0.0), memo, fine=[])
-    assert len(keys) == 3
+    assert len(set(memo.keys_of("mesh.by_contact"))) == 3
 
 
 def test_colliders_by_hand_stay_and_others_keep_clear_of_them():
@@ -152,3 +146,35 @@ def test_mesh_that_stays_as_it_is_collides_as_its_hull():
     (false,) = [problem for problem in geometry.diagnostics if problem.code == "W-FALSE-CONTACT"]
     assert "finger" in false.message
     assert "post" in false.message
+
+
+FORK = of_mesh(
+    trimesh.util.concatenate(
+        [trimesh.creation.box(bounds=[(x, -0.01, -0.1), (x + 0.01, 0.01, 0.0)]) for x in (-0.03, 0.02)]
+    )
+)
+"""Two prongs, 40 mm apart, that point downwards."""
+
+ROD = of_mesh(trimesh.creation.box(bounds=[(-0.005, -0.005, -0.06), (0.005, 0.005, 0.0)]))
+
+
+def jaws(robot, drops):
+    """With the rod this far [m] down, between the prongs or beyond them."""
+    surfaces = {"fork": FORK, "rod": ROD}
+    poses = {"fork": np.stack([np.eye(4)] * len(drops)), "rod": np.stack([at(0, 0, -drop) for drop in drops])}
+    hulls = {"fork": convex_hull(FORK.vertices)}
+    return with_jaws(robot, ["rod"], surfaces, hulls, poses, {"fork": 0.002, "rod": 0.002})
+
+
+@pytest.mark.parametrize(
+    ("fixed", "drops", "more"),
+    [
+        (True, [0.02, 0.03, 0.04], {"fork"}),
+        (True, [0.2, 0.21, 0.22], set()),  # it moves below the prongs
+        (False, [0.02, 0.03, 0.04], {"fork"}),  # a free robot stands on the prongs
+        (False, [0.08, 0.03, 0.04], set()),  # it stands on the rod, which is a foot
+    ],
+)
+def test_the_parent_of_a_finger_is_an_end_and_that_of_a_foot_is_none(fixed, drops, more):
+    robot = robot_with([joint("prismatic", "fork", "rod")], root="fork", fixed=fixed)
+    assert jaws(robot, drops) == {"rod", *more}

@@ -143,7 +143,6 @@ def test_bareness_of_an_end_is_measured():
 
 @pytest.mark.parametrize("corners", [254, 255, 1500])
 def test_corner_may_have_any_number_of_neighbours(corners):
-    """A cone and a cylinder, by how deep a cube is in them from below."""
     cone = trimesh.creation.cone(0.05, 0.08, sections=corners)
     cylinder = trimesh.creation.cylinder(0.05, 0.08, sections=corners)
     cylinder.apply_translation((0, 0, 0.04))

@@ -37,16 +37,6 @@ def gaps(header, qpos):
     return [np.linalg.norm(first[0] - second[0]) for first, second in ends]
 
 
-def test_bodies_are_where_mujoco_has_them(sample):
-    _, header, model = sample
-    data, draw = mujoco.MjData(model), np.random.default_rng(3)
-    for _ in range(5):
-        data.qpos[:] = draw.uniform(-1, 1, model.nq)
-        mujoco.mj_kinematics(model, data)
-        places = [place for place, _ in poses(header, data.qpos)]
-        np.testing.assert_allclose(places, data.xpos, atol=1e-9)
-
-
 def test_loops_are_closed_at_every_keyframe_and_open_elsewhere(sample):
     _, header, _ = sample
     assert header["keyframes"][0]["name"] == "home"
@@ -95,9 +85,8 @@ def test_actuators_of_a_mujoco_without_kinds_of_inputs_are_the_same(tmp_path, mo
     plan = plan_of(actuators={"*": {"type": "position"}})
     robot, header, _ = sample
     export(robot, tmp_path, plan)
-    assert (
-        pack.unpacked(pack_of(tmp_path, "scene.xml", robot, (), 1000))[0]["actuators"] == header["actuators"]
-    )
+    other, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot, (), 1000))
+    assert other["actuators"] == header["actuators"]
 
 
 @pytest.mark.parametrize("mimic", [True, False])

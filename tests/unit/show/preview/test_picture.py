@@ -212,7 +212,6 @@ def models():
 
 @pytest.mark.parametrize("model", list(models()))
 def test_mujocos_own_renderer_sees_the_same_silhouette(model, tmp_path):
-    """By a graphics driver, and MuJoCo's own camera at our place."""
     by_path = "path" in model
     compiled = (mujoco.MjModel.from_xml_path if by_path else mujoco.MjModel.from_xml_string)(*model.values())
     scene = scene_of(compiled)

@@ -1,5 +1,6 @@
-"""`geoms`: properties of contact reach every geom of the MJCF; what the URDF loses is reported."""
+"""What globs choose for parts: the contact of their geoms, what is ignored; and keys that change nothing."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import mujoco
@@ -7,10 +8,14 @@ import numpy as np
 import pytest
 
 from linkwright.pipeline.config.compose import compose_plan
+from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, make_geometry
+from linkwright.stages.mesh.collide import make as collide
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
+from linkwright.stages.mesh.idle_keys import idle_keys
 from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.part_choices import part_choices, with_properties
+from linkwright.stages.mesh.section import MeshSections
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ConfigError, MeshError
@@ -18,16 +23,18 @@ from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from tests.support.building import plan_of, shaped, write
+from tests.support.exports import compiled, exported
 from tests.support.kit import SIDE, TOP, hinged
 from tests.support.robots import joint, robot_with
+from tests.support.touching import ball, no_memo
+from tests.unit.mesh.test_collide import BRACKET, bundle, kinds, part, robot
 
 RUBBER = {"friction": [1.2, 0.005, 0.0001], "priority": 1, "condim": 4, "margin": 0.001}
 SOFT = {"solref": [0.01, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
-BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
 def ball_and_hull(surfaces, settings):
-    return Collision((*hull.make(surfaces, settings).pieces, BALL))
+    return Collision((*hull.make(surfaces, settings).pieces, ball(0.02)))
 
 
 def test_every_collider_of_a_link_has_its_properties(kit, tmp_path, monkeypatch):
@@ -65,24 +72,6 @@ def test_later_entries_win_property_by_property(kit):
         ("base", "visual"): None,
     }
     assert codec.decode_geometry(codec.encode_geometry(geometry)).shapes == geometry.shapes
-
-
-def test_without_the_key_nothing_is_written(kit, tmp_path):
-    hinged(kit)
-    robot, geometry, _ = shaped(kit.document, geoms={})
-    write(robot, tmp_path, geometry=geometry)
-    assert not {"friction", "condim", "priority"} & set((tmp_path / "robot.xml").read_text().split('"'))
-    assert all(shape.contact is None for shape in geometry.shapes)
-
-
-def test_glob_without_a_link_is_an_error_that_lists_them(kit):
-    hinged(kit)
-    with pytest.raises(MeshError) as caught:
-        shaped(kit.document, geoms={"*": {}, "foot*": {"collision": RUBBER}})
-    (problem,) = caught.value.problems
-    assert (problem.code, problem.where) == ("E-GLOB", "geoms")
-    assert "'foot*'" in problem.message
-    assert "arm, base" in problem.hint
 
 
 @pytest.mark.parametrize(
@@ -145,3 +134,109 @@ def test_part_that_is_named_has_a_collider_with_its_own_properties(kit, glob, co
     assert sorted(contact.priority if contact else 0 for contact in contacts) == priorities
     others = (*geometry.of("base", "collision"), *geometry.of("shank", "visual"))
     assert {shape.contact for shape in others} == {None}
+
+
+BALL = Primitive("sphere", (0.01,), frozen(np.eye(4)))
+BOTH = robot(part("Block <1>"), part(BRACKET, 0.2), shapes=(BALL,))
+
+
+def made(value, **keys):
+    merged = {"mesh": {"collider": "hull", "visual": {"merge": "part"}}, **keys}
+    return make_geometry(value, bundle(), MeshSections.model_validate(merged), no_memo)
+
+
+@pytest.mark.parametrize(
+    ("visual", "collision", "seen", "solid"),
+    [
+        ((), (), {"base_block.stl", "base_bracket.stl", "primitive"}, [(BRACKET, "Block <1>")]),
+        (["Bl*"], (), {"base_bracket.stl", "primitive"}, [(BRACKET, "Block <1>")]),
+        ((), ["Arm <1>/*"], {"base_block.stl", "base_bracket.stl", "primitive"}, [("Block <1>",)]),
+        (["Br*"], ["Br*"], {"base_block.stl", "primitive"}, [("Block <1>",)]),
+        (["base"], ["Block"], set(), [(BRACKET,)]),
+        (["*"], ["*"], set(), []),
+    ],
+)
+def test_globs_on_links_and_parts(visual, collision, seen, solid):
+    geometry = made(BOTH, ignore={"visual": visual, "collision": collision})
+    assert {shape.file or "primitive" for shape in geometry.shapes if shape.role == "visual"} == seen
+    assert [tuple(sorted(names)) for names in kinds(geometry)] == solid
+    balls = [shape for shape in geometry.of("base", "collision") if shape.primitive is not None]
+    assert len(balls) == ("*" not in collision)
+
+
+def test_ignored_part_costs_no_collider(monkeypatch):
+    names = set()
+    monkeypatch.setattr(
+        collide._ColliderMaker, "_make", lambda self, job, function: names.add(job.name) or Collision()
+    )
+    keys = {"mesh": {"collider": "coacd", "colliders": {"Bracket": "coacd"}}}
+    made(BOTH, **keys, ignore={"collision": ["Bracket"]})
+    assert names == {"Block <1>"}
+
+
+def test_model_weighs_as_much_and_has_no_such_geom():
+    arm = robot_with([joint("revolute", "base", "arm", name="elbow")])
+    value = replace(arm, links=tuple(replace(link, parts=(part("Block <1>"),)) for link in arm.links))
+    models = [
+        compiled(exported(value, made(value, ignore=ignore)))
+        for ignore in ({}, {"visual": ["base"], "collision": ["arm"]})
+    ]
+
+    def geoms(model):
+        rows = [model.geom(number) for number in range(model.ngeom)]
+        return sorted((model.body(int(geom.bodyid[0])).name, int(geom.group[0])) for geom in rows)
+
+    assert geoms(models[0]) == [("arm", 2), ("arm", 3), ("base", 2), ("base", 3)]
+    assert geoms(models[1]) == [("arm", 2), ("base", 3)]
+    np.testing.assert_array_equal(models[0].body_mass, models[1].body_mass)
+    np.testing.assert_array_equal(models[0].body_inertia, models[1].body_inertia)
+
+
+@pytest.mark.parametrize(
+    ("keys", "globs"),
+    [
+        ({"ignore": {"visual": ["Screw*", "*"], "collision": ["bse"]}},
+         {"ignore.visual": "Screw*", "ignore.collision": "bse"}),
+        ({"geoms": {"*": {}, "foot*": {"collision": {"condim": 4}}}}, {"geoms": "foot*"}),
+        ({"mesh": {"collider": "ladder", "colliders": {"Finger*": "box", "*": "ladder"}}},
+         {"mesh.colliders": "Finger*"}),
+    ],
+    ids=["ignore", "geoms", "colliders"],
+)  # fmt: skip
+def test_glob_without_a_match_lists_what_there_is(keys, globs):
+    with pytest.raises(MeshError) as caught:
+        made(BOTH, **keys)
+    problems = {problem.where: problem for problem in caught.value.problems}
+    assert {problem.code for problem in problems.values()} == {"E-GLOB"}
+    assert problems.keys() == globs.keys()
+    for where, problem in problems.items():
+        assert globs[where] in problem.message
+        assert "links are: base; parts are: Block, Bracket" in problem.hint
+
+
+EXCLUDED = {"exclude": [["a", "b"]]}
+
+
+@pytest.mark.parametrize(
+    ("keys", "maker", "source", "named"),
+    [
+        ({}, None, "onshape", ""),
+        ({"mesh__tolerance": 0.002}, None, "onshape", "mesh.tolerance"),
+        ({"mesh__tolerance": 0.002}, COLLIDERS["spheres"], "onshape", ""),
+        ({"mesh": {"tolerance": 0.002, "effort": "low"}}, COLLIDERS["ladder"], "onshape", ""),
+        ({"mesh": {"effort": "low", "fine": "all"}}, BY_CONTACT, "onshape", "mesh.effort"),
+        ({"mesh__fine": "all"}, COLLIDERS["hull"], "onshape", "mesh.fine"),
+        ({"mesh": {"collider": "spheres", "effort": "low"}}, COLLIDERS["spheres"], "onshape", "mesh.effort"),
+        ({"mesh": {"coacd": {"mcts_iterations": 9}, "extra_volume": 1}}, COLLIDERS["coacd"], "urdf",
+         "mesh.extra_volume"),
+        ({"mesh__basis": "visual"}, None, "onshape", "mesh.basis"),
+        ({"mesh__basis": "visual"}, None, "mjcf", ""),
+        ({"mesh__glb_up": "y"}, None, "onshape", "mesh.glb_up"),
+        ({"mesh": {"glb_up": "y", "format": "glb"}}, None, "onshape", ""),
+        ({"contact": EXCLUDED}, None, "onshape", "contact.exclude"),
+        ({"contact": {**EXCLUDED, "self": "auto"}}, None, "onshape", ""),
+    ],
+)  # fmt: skip
+def test_a_key_that_nothing_reads_is_named(keys, maker, source, named):
+    problems = list(idle_keys(plan_of(**keys), (maker,) if maker else (), source))
+    assert [(problem.code, problem.where) for problem in problems] == [("I-IDLE-KEY", named)] * bool(named)
