@@ -1,5 +1,6 @@
 """glTF of a robot's own file: what it claims is held against what it has before a library reads it."""
 
+import base64
 import json
 
 import pytest
@@ -9,8 +10,7 @@ from linkwright.stages.fetch.urdf.meshes.companions import Companions
 from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
 from linkwright.stages.formats.meshes import gltf, gltf_claims
 from tests.fake_onshape.gltf import gltf as drawn
-from tests.unit.fetch.onshape.api.test_reply_sizes import changed
-from tests.unit.fetch.onshape.triangles.test_gltf import opened, studio
+from tests.unit.fetch.onshape.triangles.test_gltf import changed, inlined, studio
 
 
 def test_what_has_what_it_claims_is_read():
@@ -57,7 +57,8 @@ def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
 
 
 def test_a_buffer_beside_the_file_is_measured():
-    data, buffer = opened(drawn(studio().parts[:1], appearances=True))
+    data = inlined(drawn(studio().parts[:1], appearances=True))
+    buffer = base64.b64decode(data["buffers"][0]["uri"].partition(",")[2])
     data["buffers"] = [{"byteLength": len(buffer), "uri": "a%20b.bin"}]
     text = json.dumps(data).encode()
     assert len(read(text, "a.gltf", Companions({"a%20b.bin": buffer})).triangles)
