@@ -189,24 +189,3 @@ def robot_around(kind, rng, root, backwards):
         rows[1] = replace(rows[1], parent="zero")
     rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
     return robot_with(rows, root=root)
-
-
-def shut_by(kind, origins=()):
-    """A planar and a ball joint whose end a loop `shut` of this type holds to the base: saved away from mate
-    zero, where the loop is open. Returns the robot, and the loop's mate as a joint with its saved values."""
-    rng = np.random.default_rng(LOOPS.index(kind))
-    rows = [
-        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
-        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
-    ]
-    tree, a_from_frame = robot_with(rows), pose(rng)
-    mate = joint(kind, "base", "end", name="shut", origins=origins)
-    values = {
-        dof.name: (0.6, 0.0, 0.8, 0.0) if kind == "ball" else 0.3 * (index + 1)
-        for index, dof in enumerate(mate.dofs)
-    }
-    end = link_poses(tree, saved_configuration(tree))["two"] @ a_from_frame
-    across = link_poses(robot_with([mate]), values)["end"]
-    shut = loop(kind, "two", "base", a_from_frame, end @ inverse(across), name="shut")
-    dofs = tuple(replace(dof, saved=values[dof.name]) for dof in mate.dofs)
-    return replace(tree, loops=(replace(shut, dofs=dofs),)), mate, values

@@ -1,6 +1,8 @@
-"""What the files say, read back by the engines that will use them."""
+"""What the files say, read back by the engines that will use them, without the noise of arithmetic."""
 
+import json
 import math
+import re
 from types import SimpleNamespace
 
 import mujoco
@@ -12,6 +14,8 @@ from linkwright.stages.export.section import FORMATS, expected_paths
 from linkwright.stages.export.writer import FormatFiles
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.xml import parse
+from linkwright.stages.robot.model.poses import rotation_from_rpy
+from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limits, Relation, frozen
 from linkwright.stages.robot.motion.kinematics import saved_configuration
 from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
@@ -21,6 +25,7 @@ from tests.support.engines import Mujoco, Pinocchio
 from tests.support.exports import exported
 from tests.support.kit import SIDE, TOP
 from tests.support.places import PROJECT
+from tests.support.robots import from_parts, joint, robot_with
 from tests.support.states import equality_errors, pose_of, state
 
 
@@ -152,3 +157,75 @@ def test_writer_reads_files_of_formats_that_are_not_chosen(kit, monkeypatch):
         outcome = export(robot, NO_MESHES, plan.model_copy(update={"export": section}))
         assert outcome.files["seen.txt"] == b"robot.urdf robot.srdf"
         assert ("robot.urdf" in outcome.files) == ("urdf" in chosen)
+
+
+NOISE = 1e-13
+"""m, rad: what is written and is smaller, and not zero."""
+
+
+SCALED = ("mass", "inertia", "diaginertia", "solref", "solimp")
+"""What may be small: measured by its own scale, or given."""
+
+
+def noisy(rng):
+    """A transform by quarter turns and lengths of a millimetre, with the noise of much arithmetic."""
+    quarters = rng.integers(0, 4, 3) * np.pi / 2
+    place = from_parts(
+        rotation_from_rpy(tuple(quarters)), np.round(rng.uniform(-0.1, 0.1, 3), 3) * rng.integers(0, 2, 3)
+    )
+    place[:3] += rng.uniform(-8e-14, 8e-14, (3, 4))
+    return place
+
+
+def noisy_robot(seed):
+    rng = np.random.default_rng(seed)
+    few = 7e-14
+    ends = {"arm_joint": (-few, 1.5), "hand_joint": (-0.2, few), "finger_joint": (0.0, 0.05)}
+    limits = {name: Limits(*both) for name, both in ends.items()}
+    strong = Dynamics(effort=3.0)
+    rows = [
+        joint("revolute", "base", "arm", (few,), place=noisy(rng), limits=limits),
+        joint("prismatic", "arm", "hand", (-few,), place=noisy(rng), limits=limits, dynamics=strong),
+        joint("fixed", "hand", "plate", place=noisy(rng)),
+        joint("prismatic", "plate", "finger", (0.01,), place=noisy(rng), limits=limits),
+        joint("revolute", "arm", "wheel", place=noisy(rng)),
+    ]
+    frames = [Frame("tool", "hand", frozen(noisy(rng)), ""), Frame("eye", "plate", frozen(noisy(rng)), "")]
+    tensor = np.diag([2e-3, 3e-3, 4e-3]) + rng.uniform(-1e-18, 1e-18, (3, 3))
+    body = Inertial(0.7, frozen(np.array([0.0, few, 0.02])), frozen((tensor + tensor.T) / 2))
+    relation = Relation("gears", "wheel_joint", "arm_joint", 0.5, few)
+    return robot_with(
+        rows, relations=[relation], frames=frames, fixed=bool(seed % 2),
+        inertials={"hand": body, "plate": body},
+    )  # fmt: skip
+
+
+def leaves(value, key=""):
+    if isinstance(value, dict):
+        for name, inside in value.items():
+            yield from leaves(inside, name)
+    elif isinstance(value, list) and not all(isinstance(item, int | float) for item in value):
+        for inside in value:
+            yield from leaves(inside, key)
+    else:
+        yield key, value
+
+
+def numbers_of(node):
+    """The numbers of the attributes of an element, as text."""
+    texts = [text for key, text in node.attrib.items() if key not in SCALED]
+    return [word for text in texts if re.fullmatch(r"[-+0-9.e ]+", text) for word in text.split()]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_file_has_noise_or_a_negative_zero(tmp_path, seed):
+    plan = plan_of(actuators={"*": "position"}, scene__cameras={"view": {"frame": "eye"}})
+    files = write(noisy_robot(seed), tmp_path, plan).files
+    for name in ("robot.urdf", "robot.xml", "scene.xml"):
+        words = [word for node in parse(files[name]).iter() for word in numbers_of(node)]
+        assert len(words) > 40 or name == "scene.xml"
+        assert not [word for word in words if word == "-0" or 0 < abs(float(word)) < NOISE], name
+    for key, value in leaves(json.loads(files["robot.json"])):
+        numbers = value if isinstance(value, list) else [value]
+        small = [number for number in numbers if isinstance(number, float) and 0 < abs(number) < NOISE]
+        assert not small or key in ("mass", "inertia"), (key, value)

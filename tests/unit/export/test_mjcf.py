@@ -1,16 +1,19 @@
-"""The MJCF, read back by MuJoCo: joints, loops and shapes of every type."""
+"""The MJCF, read back by MuJoCo: joints, loops and shapes of every type, and its default classes."""
 
 import math
 
 import mujoco
 import numpy as np
 import pytest
+from lxml import etree
 
 from linkwright.stages.export.ground.standing import stand
+from linkwright.stages.export.mjcf import model as mjcf_model
 from linkwright.stages.export.settled import settled
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
+from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.model.poses import (
     inverse,
     motion,
@@ -22,11 +25,11 @@ from linkwright.stages.robot.model.robot import Dynamics, Frame, Inertial, Limit
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support import robots
-from tests.support.building import NO_MESHES, plan_of, robot_of, solid, write
+from tests.support.building import NO_MESHES, plan_of, solid, write
 from tests.support.exports import exported, losses_of
-from tests.support.kit import SIDE, TOP
-from tests.support.robots import EVERY, joint, robot_with, some_value, some_values
+from tests.support.robots import EVERY, at, joint, loop, robot_with, some_value, some_values
 from tests.support.states import pose_of, state
+from tests.support.touching import NO_FILES, ball, box, no_memo
 
 NUMBERS = 1e-10
 """What the formatter's 1e-12 of every number adds up to along a chain of nine joints."""
@@ -195,21 +198,96 @@ def test_primitives_have_mujocos_half_sizes():
     assert model.body_mass.sum() == pytest.approx(sum(link.inertial.mass for link in robot.links))
 
 
-def test_the_scene_reads_the_robot_with_all_of_it(tmp_path):
-    robot = robot_with(chain_of_all(np.random.default_rng(1), False))
-    write(robot, tmp_path)
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
-    assert model.nv == robot.mobility.coordinates
-    assert model.geom("floor").type == mujoco.mjtGeom.mjGEOM_PLANE
-
-
-def test_floating_base_has_a_free_joint(kit, tmp_path):
-    arm, hand = kit.place("Arm"), kit.place("Hand")
-    kit.root.revolute("Wrist", (hand, TOP), (arm, SIDE), limits=(-1, 1))
-    plan = plan_of(scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}}, root={"select": "arm"})
-    write(robot_of(kit.document, plan), tmp_path, plan)
+def test_floating_base_has_a_free_joint(tmp_path):
+    robot = robot_with([joint("revolute", "base", "arm")], fixed=False)
+    write(robot, tmp_path, plan_of(scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}}))
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert (model.nq, model.nv) == (8, 7)
-    assert model.joint("arm_free").type == mujoco.mjtJoint.mjJNT_FREE
+    assert model.joint("base_free").type == mujoco.mjtJoint.mjJNT_FREE
     assert np.allclose(model.qpos0[:7], [1, 2, 3, math.sqrt(0.5), 0, 0, math.sqrt(0.5)], atol=1e-12)
     assert np.allclose(model.key("cad").qpos[:7], model.qpos0[:7])
+
+
+SOFT = {"friction": [0.8, 0.02, 0.001], "condim": 6, "priority": 1}
+
+
+def crawler():
+    """Joints of two motors, a slider, a ball, a loop and a relation; feet and a body that collide."""
+    strong = Dynamics(damping=0.1, friction=0.02, armature=0.01, effort=20)
+    weak = Dynamics(damping=0.05, armature=0.001, effort=3)
+    joints = []
+    for side, x in (("a", 0.1), ("b", 0.2), ("c", 0.3)):
+        hip = {"name": f"hip_{side}", "limits": {f"hip_{side}": Limits(-1, 1)}, "place": at(x, 0, 0)}
+        joints.append(joint("revolute", "base", f"leg_{side}", dynamics=strong, **hip))
+    for side in "ab":
+        ankle = {"name": f"ankle_{side}", "place": at(0, 0, -0.2)}
+        joints.append(joint("revolute", f"leg_{side}", f"foot_{side}", dynamics=weak, **ankle))
+    joints.append(joint("prismatic", "base", "mast", name="mast"))
+    joints.append(joint("ball", "mast", "head", name="neck"))
+    joints.append(joint("revolute", "base", "bare", name="bare"))
+    return robot_with(
+        joints,
+        loops=[loop("revolute", "leg_c", "bare", at(0, 0.1, 0), at(0.3, 0.1, 0))],
+        relations=[Relation("gear", "hip_b", "hip_a", -1.0, 0.0)],
+        shapes={"base": (box(0.4, 0.1, 0.1),), "foot_a": (ball(0.02),), "foot_b": (ball(0.02),)},
+    )
+
+
+KEYS = {
+    "actuators": {"hip_*": {"type": "position", "kp": 20}, "ankle_*": {"type": "motor"}},
+    "geoms": {"foot_*": {"collision": SOFT}},
+}
+
+
+def written(folder, keys=KEYS):
+    """The elements of the crawler's MJCF, and the model that MuJoCo compiles."""
+    robot = crawler()
+    geometry = make_geometry(robot, NO_FILES, plan_of(contact={"self": "auto"}, **KEYS), no_memo)
+    write(robot, folder, plan_of(**keys), geometry)
+    path = str(folder / "robot.xml")
+    return etree.parse(path).getroot(), mujoco.MjModel.from_xml_path(path)
+
+
+def arrays(model):
+    values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    return {name: v.copy() for name, v in values.items() if isinstance(v, np.ndarray) and name != "names"}
+
+
+def test_classes_change_no_number(tmp_path, monkeypatch):
+    first = arrays(written(tmp_path / "with")[1])
+    monkeypatch.setattr(mjcf_model, "write_classes", lambda *_: None)
+    second = arrays(written(tmp_path / "without")[1])
+    assert "geom_friction" in first
+    assert first.keys() == second.keys()
+    assert [key for key in first if not np.array_equal(first[key], second[key], equal_nan=True)] == []
+
+
+def test_attributes_of_a_class_are_not_repeated(tmp_path):
+    root, _ = written(tmp_path)
+    held = {}
+    for default in root.iter("default"):
+        elements = [element for element in default if element.tag != "default"]
+        attributes = {key: value for element in elements for key, value in element.items()}
+        above = held.get(default.getparent().get("class"), {})
+        if default.get("class"):
+            held[default.get("class")] = {**above, **attributes}
+    assert {"hip", "ankle", "slide", "ball", "closure", "motor", "foot"} <= set(held)
+    used = [element for element in root.iter() if element.get("class") and element.tag != "default"]
+    assert {element.get("class") for element in used} <= set(held)
+    for element in used:
+        again = {key for key, value in element.items() if held[element.get("class")].get(key) == value}
+        assert not again, etree.tostring(element)
+    world = root.find("worldbody")
+    joints = {element.get("name"): element.get("class") for element in world.iter("joint")}
+    assert joints["hip_a"] == joints["hip_b"] == joints["hip_c"] == "hip"
+    assert joints["ankle_a"] == joints["ankle_b"] == "ankle"
+    assert all(element.get("class") for element in world.iter("geom", "joint"))
+    assert not [geom for geom in world.iter("geom") if {"contype", "conaffinity", "group"} & set(geom.keys())]
+
+
+def test_class_is_named_after_its_motor_or_its_joints(tmp_path):
+    root, _ = written(tmp_path, {"actuators": {"hip_[ab]": {"motor": "sts3215"}, "ankle_*": "position"}})
+    classes = {element.get("name"): element.get("class") for element in root.find("worldbody").iter("joint")}
+    assert (classes["hip_a"], classes["ankle_a"]) == ("sts3215", "ankle")
+    # Not `hip`: others are called so, too.
+    assert classes["hip_c"] == "hinge"

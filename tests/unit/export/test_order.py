@@ -55,14 +55,13 @@ def agrees(outcome):
 
 
 def as_mujoco(order, model):
-    joints = order["joints"]
-    assert [row["name"] for row in joints] == [model.joint(index).name for index in range(model.njnt)]
+    joints, actuators, sensors = order["joints"], order["actuators"], order["sensors"]
+    names = [model.joint(index).name for index in range(model.njnt)]
+    assert [row["name"] for row in joints] == names
     assert [KINDS[row["kind"]] for row in joints] == list(model.jnt_type)
-    assert [row["qpos"][0] for row in joints] == list(model.jnt_qposadr)
-    assert [row["dof"][0] for row in joints] == list(model.jnt_dofadr)
-    assert sum(row["qpos"][1] for row in joints) == model.nq
-    assert sum(row["dof"][1] for row in joints) == model.nv
-    actuators = order["actuators"]
+    for key, addresses, size in (("qpos", model.jnt_qposadr, model.nq), ("dof", model.jnt_dofadr, model.nv)):
+        assert [row[key][0] for row in joints] == list(addresses)
+        assert sum(row[key][1] for row in joints) == size
     assert [row["ctrl"][0] for row in actuators] == [int(model.actuator(row["name"]).id) for row in actuators]
     for row in actuators:
         actuator = model.actuator(row["name"])
@@ -71,10 +70,9 @@ def as_mujoco(order, model):
         assert limited == (row["range"] is not None)
         if limited:
             np.testing.assert_allclose(row["range"], actuator.ctrlrange, atol=1e-12)
-    sensors = order["sensors"]
-    assert [row["name"] for row in sensors] == [model.sensor(index).name for index in range(model.nsensor)]
-    assert [row["address"] for row in sensors] == list(model.sensor_adr)
-    assert [row["dim"] for row in sensors] == list(model.sensor_dim)
+    names = [model.sensor(index).name for index in range(model.nsensor)]
+    rows = list(zip(names, model.sensor_adr, model.sensor_dim, strict=True))
+    assert [(row["name"], row["address"], row["dim"]) for row in sensors] == rows
 
 
 def test_order_of_the_sample_has_names_of_mates_and_units():

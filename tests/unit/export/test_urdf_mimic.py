@@ -12,11 +12,8 @@ from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot.model.robot import Limits, Relation, frozen
-from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_lines import linear_couplings
-from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.validate.dynamics.mujoco_features import reads_mimic
 from tests.fake_onshape.frames import frame
 from tests.support.building import plan_of, robot_of, sample_robot, write
 from tests.support.checked import checked
@@ -129,14 +126,6 @@ def closed_by_mujoco(engine, q, followers):
     return {model.body(index).name: pose_of(data.body(index)) for index in range(model.nbody)}
 
 
-def test_mujoco_reads_the_mimics_of_the_urdf(tmp_path):
-    if not reads_mimic():
-        pytest.skip("this MuJoCo reads no <mimic>")
-    write(parallelogram(), tmp_path)
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
-    assert sorted(model.eq_data[:, 1].tolist()) == [-1.0, -1.0]
-
-
 def test_nonlinear_coupling_has_the_best_line_and_its_error(tmp_path):
     robot = uneven()
     couplings = {coupling.follower: coupling for coupling in linear_couplings(robot, home(robot))}
@@ -193,16 +182,6 @@ def test_first_dof_drives_followers_of_followers():
     relation = relations["gear"]
     assert (relation.driver, relation.multiplier) == (names[1], pytest.approx(2 * line.multiplier))
     assert relation.offset == pytest.approx(2 * line.offset + 0.1)
-
-
-def test_certified_lines_close_the_loops():
-    robot = sample_robot()
-    form = urdf_form(robot)
-    for value in np.linspace(-0.5, 1.1, 9):
-        q = dict(home(robot)) | {"shoulder": float(value)}
-        q |= {mimic.follower: mimic.multiplier * value + mimic.offset for mimic in form.mimics}
-        poses = link_poses(robot, q)
-        assert max(gap(loop, poses) for loop in robot.loops if loop.name in form.closed) < 1e-9
 
 
 def test_wrong_mimic_fails_the_check(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 
 from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
-from linkwright.stages.robot.model.poses import from_parts
+from linkwright.stages.robot.model.poses import from_parts, inverse
 from linkwright.stages.robot.model.robot import (
     Actuator,
     Dynamics,
@@ -37,7 +37,6 @@ from tests.support.robots import (
     pose,
     robot_around,
     robot_with,
-    shut_by,
     some_values,
 )
 from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
@@ -105,6 +104,27 @@ def test_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path):
     for q in (-1.2, 0.7):
         expected = link_poses(robot, {"one_joint": q})["one"]
         assert np.abs(usd.poses({"one_joint": q})["one"] - expected).max() < TOLERANCE
+
+
+def shut_by(kind, origins=()):
+    """A planar and a ball joint whose end a loop `shut` of this type holds to the base: saved away from mate
+    zero, where the loop is open. Returns the robot, and the loop's mate as a joint with its saved values."""
+    rng = np.random.default_rng(LOOPS.index(kind))
+    rows = [
+        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
+        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
+    ]
+    tree, a_from_frame = robot_with(rows), pose(rng)
+    mate = joint(kind, "base", "end", name="shut", origins=origins)
+    values = {
+        dof.name: (0.6, 0.0, 0.8, 0.0) if kind == "ball" else 0.3 * (index + 1)
+        for index, dof in enumerate(mate.dofs)
+    }
+    end = link_poses(tree, saved_configuration(tree))["two"] @ a_from_frame
+    across = link_poses(robot_with([mate]), values)["end"]
+    shut = loop(kind, "two", "base", a_from_frame, end @ inverse(across), name="shut")
+    dofs = tuple(replace(dof, saved=values[dof.name]) for dof in mate.dofs)
+    return replace(tree, loops=(replace(shut, dofs=dofs),)), mate, values
 
 
 KINDS = {"fixed": "Fixed", "revolute": "Revolute", "prismatic": "Prismatic", "ball": "Spherical"}

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.formats.urdf.model import Transmission, mesh_key
+from linkwright.stages.formats.urdf.model import Transmission, UrdfMimic, mesh_key
 from linkwright.stages.formats.urdf.parse import parse
 from linkwright.stages.robot.errors import SourceError
+from linkwright.stages.robot.model.dofs import Limits
+from linkwright.stages.robot.model.poses import from_parts
 
 BOX = '<box size="1 1 1"/>'
 
@@ -47,42 +49,31 @@ def visual(geometry, more=""):
     return f'<link name="a"><visual>{more}<geometry>{geometry}</geometry></visual></link>'
 
 
-def test_defaults_of_a_joint_are_those_of_ros():
-    parsed = of_joint("")
-    assert (parsed.name, parsed.type, parsed.parent, parsed.child) == ("j", "revolute", "a", "b")
-    assert np.array_equal(parsed.parent_from_joint, np.eye(4))
-    assert parsed.axis.tolist() == [1, 0, 0]
-    assert (parsed.limits, parsed.mimic) == (None, None)
-    assert (parsed.effort, parsed.velocity, parsed.damping, parsed.friction) == (None,) * 4
+def limits(effort, velocity, ends=None):
+    return {"limits": ends and Limits(*ends), "effort": effort, "velocity": velocity}
 
 
-def test_everything_that_a_joint_may_say():
-    parsed = of_joint("""
-        <origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>
-        <axis xyz="0 3 4"/>
-        <limit lower="-1" upper="2" effort="5" velocity="6"/>
-        <dynamics damping="0.1" friction="0.2"/>
-        <mimic joint="k" multiplier="-2" offset="0.5"/>""")
-    expected = [[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]
-    np.testing.assert_allclose(parsed.parent_from_joint, expected, atol=1e-15)
-    np.testing.assert_allclose(parsed.axis, [0, 0.6, 0.8], atol=1e-15)
-    assert (parsed.limits.lower, parsed.limits.upper, parsed.effort, parsed.velocity) == (-1, 2, 5, 6)
-    assert (parsed.damping, parsed.friction) == (0.1, 0.2)
-    assert (parsed.mimic.joint, parsed.mimic.multiplier, parsed.mimic.offset) == ("k", -2, 0.5)
+JOINTS = {
+    "the defaults of ROS": ("", {
+        "name": "j", "type": "revolute", "parent": "a", "child": "b", "axis": [1, 0, 0], "mimic": None,
+        "damping": None, "friction": None, **limits(None, None)}),
+    "an axis of another length": ('<axis xyz="0 3 4"/>', {"axis": [0, 0.6, 0.8]}),
+    "a range": ('<limit lower="-1" upper="2" effort="5" velocity="6"/>', limits(5, 6, (-1, 2))),
+    "a limit without bounds": ('<limit effort="0" velocity="inf"/>', limits(0, None, (0, 0))),
+    "infinite bounds": ('<limit lower="-inf" upper="inf"/>', limits(None, None, (None, None))),
+    "dynamics": ('<dynamics damping="0.1" friction="0.2"/>', {"damping": 0.1, "friction": 0.2}),
+    "a mimic": ('<mimic joint="k" multiplier="-2" offset="0.5"/>', {"mimic": UrdfMimic("k", -2, 0.5)}),
+    "the defaults of a mimic": ('<mimic joint="k"/>', {"mimic": UrdfMimic("k", 1, 0)}),
+    "a mimic of factor 0": ('<mimic joint="k" multiplier="0"/>', {"mimic": UrdfMimic("k", 0, 0)}),
+}  # fmt: skip
 
 
-def test_roll_pitch_and_yaw_turn_about_the_fixed_axes():
-    parsed = of_joint('<origin rpy="0.3 -0.5 0.7"/>')
-    expected = Rotation.from_euler("xyz", [0.3, -0.5, 0.7]).as_matrix()
-    np.testing.assert_allclose(parsed.parent_from_joint[:3, :3], expected, atol=1e-15)
-
-
-def test_quaternion_may_replace_angles_and_commas_part_numbers():
-    half = math.sqrt(0.5)
-    turned = of_joint(f'<origin quat_xyzw="0 0 {half} {half}"/>').parent_from_joint
-    np.testing.assert_allclose(turned[:2, :2], [[0, -1], [1, 0]], atol=1e-15)
-    parsed = of_joint('<origin xyz=" 1,\t2\n 3 "/>')
-    assert parsed.parent_from_joint[:3, 3].tolist() == [1, 2, 3]
+@pytest.mark.parametrize(("inner", "expected"), JOINTS.values(), ids=JOINTS)
+def test_fields_of_a_joint_are_read(inner, expected):
+    parsed = of_joint(inner)
+    for name, value in expected.items():
+        field = getattr(parsed, name)
+        assert field == (pytest.approx(value, abs=1e-15) if name == "axis" else value), name
 
 
 @pytest.mark.parametrize("kind", ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"])
@@ -92,18 +83,24 @@ def test_all_types_are_read_and_only_two_have_a_range(kind):
     assert (parsed.limits is not None) == (kind in ("revolute", "prismatic"))
 
 
-@pytest.mark.parametrize(("limit", "expected"), [
-    ('effort="0" velocity="inf"', (0, 0, 0, None)),
-    ('lower="-inf" upper="inf"', (None, None, None, None)),
-])  # fmt: skip
-def test_limit_without_bounds_is_zero_and_an_infinite_one_open(limit, expected):
-    parsed = of_joint(f"<limit {limit}/>")
-    assert (parsed.limits.lower, parsed.limits.upper, parsed.effort, parsed.velocity) == expected
+HALF = math.sqrt(0.5)
 
 
-def test_mimic_has_multiplier_1_and_offset_0_by_default():
-    mimics = [of_joint(f'<mimic joint="k"{more}/>').mimic for more in ("", ' multiplier="0"')]
-    assert [(mimic.multiplier, mimic.offset) for mimic in mimics] == [(1, 0), (0, 0)]
+@pytest.mark.parametrize(("origin", "turned", "xyz"), [
+    ("", np.eye(3), [0, 0, 0]),
+    ('<origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>', [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [1, 2, 3]),
+    (f'<origin quat_xyzw="0 0 {HALF} {HALF}"/>', [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [0, 0, 0]),
+    ('<origin xyz=" 1,\t2\n 3 "/>', np.eye(3), [1, 2, 3]),
+], ids=["none", "angles", "a quaternion", "commas and whitespace"])  # fmt: skip
+def test_origins_are_read(origin, turned, xyz):
+    expected = from_parts(np.array(turned, float), np.array(xyz, float))
+    np.testing.assert_allclose(of_joint(origin).parent_from_joint, expected, atol=1e-15)
+
+
+def test_roll_pitch_and_yaw_turn_about_the_fixed_axes():
+    parsed = of_joint('<origin rpy="0.3 -0.5 0.7"/>')
+    expected = Rotation.from_euler("xyz", [0.3, -0.5, 0.7]).as_matrix()
+    np.testing.assert_allclose(parsed.parent_from_joint[:3, :3], expected, atol=1e-15)
 
 
 def test_inertial_is_in_the_links_frame_with_its_six_numbers():
