@@ -96,11 +96,11 @@ def test_given_values_are_in_the_model(entry, field, index, value):
     assert np.ravel(values)[index] == pytest.approx(value, rel=1e-12)
 
 
+ENTRIES = [pytest.param(row.values[0], marks=row.marks) if hasattr(row, "marks") else row[0] for row in GIVEN]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "entry",
-    [row[0] if isinstance(row, tuple) else pytest.param(row.values[0], marks=row.marks) for row in GIVEN],
-)
+@pytest.mark.parametrize("entry", ENTRIES)
 def test_given_values_pass_the_checks(entry, tmp_path):
     plan = plan_of(actuators={"*": entry})
     names = failing(tmp_path, write(pendulum(saved=0.2), tmp_path, plan), plan)
