@@ -1,8 +1,8 @@
 """The graph stage: turns a CAD assembly, or a robot's own file, into a robot.
 
 - added_section: Configuration of the graph stage: links and frames that CAD does not have.
-- build: Runs the graph stage: reads, renames, chooses the root, places, and then applies one pass after the
-  other.
+- build: Runs the graph stage: reads the source, renames bodies, chooses the root, places the links, and then
+  applies the passes in order.
 - cad_only_keys: Reports keys that apply only to CAD assemblies, where the source is a robot's own file.
 - dofs: Lists the dofs of each type of joint, computes their values in a pose, and reverses chains of dofs.
 - globs: Matches the globs that users give with names, and checks that new names are free.

@@ -86,13 +86,13 @@ class GeometrySection(Section):
     """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
     @model_validator(mode="after")
-    def _one(self) -> Self:
+    def _checked_kind(self) -> Self:
         if sum(getattr(self, name) is not None for name in type(self).model_fields) != 1:
             raise invalid("must be one of sphere, box, cylinder, capsule")
         return self
 
     def shape(self) -> "tuple[PrimitiveKind, tuple[float, ...]]":
-        """Its kind and size [m] as in `model.Primitive`."""
+        """Returns the kind and the size [m] of the shape, as in `Primitive`."""
         if self.sphere is not None:
             return "sphere", (self.sphere.radius,)
         if self.box is not None:
@@ -107,7 +107,7 @@ JointType = Literal["fixed", "revolute", "continuous", "prismatic"]
 
 
 class AddedJointSection(Section):
-    """The joint between an added link and its parent. May be given as a type alone."""
+    """The joint between an added link and its parent. A plain type means `type: <type>`."""
 
     type: JointType = "fixed"
     """Type of the joint."""
@@ -122,7 +122,7 @@ class AddedJointSection(Section):
     """[lower, upper] [rad or m]; null leaves a side open."""
 
     @model_validator(mode="after")
-    def _limited(self) -> Self:
+    def _checked_limits(self) -> Self:
         if self.limits is not None and self.type in ("fixed", "continuous"):
             raise invalid(f"must have no limits: it is {self.type}")
         kind: Literal["slide", "turn"] = "slide" if self.type == "prismatic" else "turn"
@@ -170,7 +170,7 @@ class AddedLinkSection(Section):
     """The joint between this link and its parent."""
 
     @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _checked_keys(self) -> Self:
         if (self.parent is None) == (self.child is None):
             raise invalid("must have a parent or a child, and not both")
         if self.child is not None and self.joint.type != "fixed":

@@ -1,5 +1,5 @@
-"""Runs the graph stage: reads, renames, chooses the root, places, and then applies one pass after the
-other."""
+"""Runs the graph stage: reads the source, renames bodies, chooses the root, places the links, and then
+applies the passes in order."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from linkwright.stages.graph.passes.link_mass import check_links, with_given_mas
 from linkwright.stages.graph.passes.mjcf_extras import with_bodies, with_mjcf
 from linkwright.stages.graph.passes.mobility import with_mobility
 from linkwright.stages.graph.passes.relations import with_relations
-from linkwright.stages.graph.passes.rename import renamed
+from linkwright.stages.graph.passes.rename import rename_mechanism
 from linkwright.stages.graph.passes.semantics import with_semantics
 from linkwright.stages.graph.passes.total_mass import scale_to_total_mass
 from linkwright.stages.graph.passes.zero_pose import with_zero
@@ -31,7 +31,7 @@ def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robo
     """Returns the robot in a bundle; raises AssemblyError with all problems at once."""
     log = Diagnostics(optional=keys.optional)
     mechanism, keys = read(bundle, keys, log)
-    mechanism = renamed(mechanism, keys.names, log)
+    mechanism = rename_mechanism(mechanism, keys.names, log)
     tree = _tree(mechanism, keys, log)
     robot = with_bodies(place(mechanism, tree, keys, log), mechanism)
     robot = with_added_links(robot, keys.links, log)

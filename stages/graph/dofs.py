@@ -40,8 +40,9 @@ FREEDOMS: Mapping[JointType, tuple[Freedom, ...]] = {
 
 
 def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:
-    """Returns the value [rad, m, or a quaternion] of a dof of this kind and axis that comes closest to a pose
-    (4, 4)."""
+    """Returns the value of a dof of this kind and axis at a relative pose (4, 4): a distance [m] along the
+    axis, an angle [rad] about z (with the sign of the axis), a quaternion, or a position with a
+    quaternion."""
     if kind == "slide":
         return float(relative[:3, 3] @ axis)
     if kind == "turn":
@@ -51,7 +52,8 @@ def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:
 
 
 def residual(relative: Array, explained: Array) -> float:
-    """Returns the distance of two poses (4, 4): the larger of the offset [m] and the turn [rad, small]."""
+    """Returns the difference of two poses (4, 4): the larger of the offset [m] and the angle [rad], if
+    small."""
     difference = inverse(explained) @ relative
     # For a turn by a small angle, the norm of R − 1 is √2 times the angle.
     return max(

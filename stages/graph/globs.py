@@ -14,34 +14,33 @@ Entry = TypeVar("Entry")
 
 
 def entries_of(
-    things: Sequence[Collection[str]],
+    name_groups: Sequence[Collection[str]],
     sections: Mapping[str, Entry],
     where: str,
     kind: str,
     log: Diagnostics,
 ) -> Iterator[tuple[int, ...]]:
-    """Yields for each thing, given by its names, the entries of `sections` that match any of them, in order.
-
-    Reports E-GLOB for each entry but "*" that matches nothing: it lists the first names, as things of a
-    `kind`.
+    """Yields for each thing the indices of the globs of `sections` that match any of its names, in order.
+    `name_groups`: the names of each thing; `kind`: what the things are, such as "joint". Reports E-GLOB for
+    each glob that matches nothing, with the shortest name of each thing.
     """
     patterns = [(glob, re.compile(translate(glob)).match) for glob in sections]
-    matches_by_thing = [
+    indices_by_thing = [
         tuple(
             index
             for index, (glob, matches) in enumerate(patterns)
             if glob in names or any(map(matches, names))
         )
-        for names in things
+        for names in name_groups
     ]
-    used_indices = {index for indices in matches_by_thing for index in indices}
+    used_indices = {index for indices in indices_by_thing for index in indices}
     for index, glob in enumerate(sections):
         if index not in used_indices:
             hint = no_match_hint(
-                glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]}
+                glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in name_groups]}
             )
             log.unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
-    return iter(matches_by_thing)
+    return iter(indices_by_thing)
 
 
 def why_unusable(name: str, taken_names: Collection[str]) -> str:

@@ -38,25 +38,25 @@ class RigidBody:
 
     name: str
     path: tuple[str, ...]
-    """The occurrence that names it."""
+    """Path of the occurrence after which the body is named."""
     parts: tuple[Part, ...]
     titles: frozenset[str]
-    """All its names, as typed in CAD."""
+    """All names of the body in CAD, as typed."""
     fixed_reason: str
-    """Why it is fixed to the world; "" if it is not."""
+    """The reason why the body is fixed to the world; "" if it is not fixed."""
     world_from_body: Array
-    """Its own frame (4, 4), which it keeps as the root."""
+    """Pose of the body's own frame (4, 4), which stays its frame if the body is the root."""
     own_inertial: Inertial | None = None
     """An inertial in the world's frame in place of the parts' sum."""
     shapes: tuple[Primitive, ...] = ()
-    afloat: str | None = None
+    floating_joint: str | None = None
     """Name in the source of the joint by which the body floats in the world: "" for an unnamed joint, None if
     there is no such joint."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connection:
-    """A mate, or a joint of a file: lets two bodies move relative to each other."""
+    """A mate, or a joint of a file, by which two bodies move relative to each other."""
 
     name: str
     type: JointType
@@ -67,24 +67,24 @@ class Connection:
     dofs: tuple[Dof, ...]
     """The chain from the second entity to the first."""
     residual: float
-    """Error of the chain at the saved pose [m or rad]."""
+    """Difference between the chain and the bodies at the saved pose [m or rad]."""
     ref: MateRef
     title: str
-    """Its place in CAD."""
+    """Name of the connection with its path in CAD."""
     closes: bool = False
-    """Whether it closes a loop in the source itself, so that it is cut first."""
+    """Whether the source itself has it as the closure of a loop, so that loops are cut here first."""
     solref: tuple[float, float] | None = None
     """MuJoCo's solref of an MJCF source."""
 
     @property
-    def limited(self) -> bool:
+    def has_limits(self) -> bool:
         """Whether any of its dofs has a limit."""
         return any((dof.limits.lower, dof.limits.upper) != (None, None) for dof in self.dofs)
 
 
 @dataclass(frozen=True, slots=True)
 class RelationSpec:
-    """A relation as drawn, between two connections, of which the second follows.
+    """A relation of the source: the second of two connections follows the first.
 
     A MIMIC is complete, and names dofs instead of connections: the second is `ratio` · the first + `offset`,
     whatever their kinds and sign.
@@ -93,18 +93,18 @@ class RelationSpec:
     title: str
     type: str
     connections: tuple[str, ...]
-    """Names of its connections; "" for a connection that moves nothing."""
+    """Names of the connections; "" for a connection that moves nothing."""
     ratio: float
     """Ratio of a GEAR or LINEAR, and factor of a MIMIC."""
     length: float
-    """Length a turn [m] of a RACK_AND_PINION or SCREW."""
+    """Length for each turn [m] of a RACK_AND_PINION or SCREW."""
     reverse: bool
     """Whether the second connection follows in the same direction; otherwise in the opposite."""
     offset: float | None = None
-    """[rad or m]; None means the offset of the saved pose."""
+    """Offset [rad or m] of the follower; None for the offset at the saved pose."""
     name: str = ""
-    """Its own name, if its source or the robot gives it one."""
-    sure: bool = False
+    """Name of the relation, if the source or the configuration gives one."""
+    is_direction_chosen: bool = False
     """Whether the user has chosen the direction."""
 
 
@@ -117,15 +117,15 @@ class Marker:
     body: int
     world_from_frame: Array
     source: str
-    """Name as typed."""
+    """Name of the frame in the source, as typed."""
     joint: str = ""
-    """Name of the fixed joint that holds it in the source; "" for none."""
+    """Name of the fixed joint that holds the frame in the source; "" without one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mechanism:
-    """Bodies and the connections between them, which refer to bodies by number. Names are unique among
-    bodies, among connections and dofs, and among markers; those of a CAD assembly over all of them."""
+    """Bodies and the connections between them, which refer to bodies by index. Names are unique among bodies,
+    among connections and dofs, and among markers; names of a CAD assembly are unique among all of these."""
 
     bodies: tuple[RigidBody, ...]
     connections: tuple[Connection, ...]
@@ -149,14 +149,13 @@ class Mechanism:
     demands_limits: bool = False
     """Whether the source's format demands numbers for limits, so that some numbers mean no limit."""
     semantics: RobotSemantics = NOTHING_MORE
-    """Content of its SRDF, by the names in the source."""
+    """Content of the source's SRDF, by the names in the source."""
 
 
 class MechanismReader(Protocol):
-    """Reads a bundle into a mechanism. There is a reader for each kind of source: `stages.graph.reader_of`.
-
-    Also returns the keys, completed by the source's own conventions. AssemblyError for a source that cannot
-    be read at all; every other problem goes to the log.
+    """A function that reads a bundle into a mechanism; `stages.graph.reader_of` has one for each kind of
+    source. It also returns the keys, completed by the conventions of the source. It raises AssemblyError for
+    a source that cannot be read at all; every other problem goes to the log.
     """
 
     def __call__(

@@ -12,8 +12,8 @@ Key = TypeVar("Key", bound=Hashable)
 FrameKey = TypeVar("FrameKey", bound=Hashable)
 
 RESERVED = {"link": frozenset({WORLD_LINK}), "frame": frozenset({WORLD_LINK})}
-"""Names that mean something else in a target format, by kind of thing. To MuJoCo the body `world` is the
-world itself, and a frame is a link of a URDF."""
+"""Kind → names that have another meaning in a target format: MuJoCo's body `world` is the world itself, and a
+frame of the robot is a link of a URDF."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,23 +39,22 @@ class Namer:
 
     def __init__(self) -> None:
         self._taken: dict[str, set[str]] = {}
-        self._every = {WORLD_LINK}
+        self._all_names = {WORLD_LINK}
         self._changed: list[tuple[str, str, str]] = []
 
     def reserve(self, names: Iterable[str]) -> None:
-        """Keeps names that other things have from being made."""
-        self._every.update(names)
+        """Excludes names, which other things have, from the names that `make` and `fill` give."""
+        self._all_names.update(names)
 
     def keep(self, kind: str, source_names: Iterable[tuple[Key, str]]) -> dict[Key, str]:
-        """Returns the robot's names by key, of things with these names in the source, each unique there.
-        Unnamed things ("") are left out.
-
-        A name changes only where it is reserved or holds invisible characters (a line's end, a control
+        """Returns the names in the robot, by key, of things that have these names in the source, where each
+        name is unique. Unnamed things ("") are left out.
+        A name changes only if it is reserved, or has invisible characters (a line's end, a control
         character); names that stay have precedence.
         """
         taken_names = self._taken.setdefault(kind, set())
         names: dict[Key, str] = {}
-        changing = []
+        names_to_change = []
         for key, name in source_names:
             if not name:
                 continue
@@ -63,20 +62,20 @@ class Namer:
                 names[key] = name
                 taken_names.add(name)
             else:
-                changing.append((key, name))
-        for key, name in changing:
+                names_to_change.append((key, name))
+        for key, name in names_to_change:
             shown = "".join(letter if letter.isprintable() else "_" for letter in name)
             base_name = f"{shown}_{kind}" if shown in RESERVED.get(kind, ()) else shown
             names[key] = free(base_name, taken_names)
             taken_names.add(names[key])
             self._changed.append((kind, name, names[key]))
-        self._every.update(names.values())
+        self._all_names.update(names.values())
         return names
 
     def make(self, kind: str, proposal: str) -> str:
         """Returns a name for something unnamed in the source: `proposal`, with a number where it is taken."""
-        name = free(proposal, self._every)
-        self._every.add(name)
+        name = free(proposal, self._all_names)
+        self._all_names.add(name)
         self._taken.setdefault(kind, set()).add(name)
         return name
 
@@ -88,7 +87,7 @@ class Namer:
         return {key: names.get(key) or self.make(kind, name) for key, name in proposals}
 
     def is_free(self, kind: str, name: str) -> bool:
-        """Returns whether nothing of this kind has the name."""
+        """Tells whether nothing of this kind has the name."""
         return name not in self._taken.get(kind, ())
 
     def report(self, log: Diagnostics) -> None:

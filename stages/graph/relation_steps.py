@@ -21,11 +21,11 @@ class DofRelation:
     follower: str
     factor: float
     offset: float | None = None
-    """[rad or m]; None means the offset of the saved pose."""
+    """Offset [rad or m]; None for the offset at the saved pose."""
     name: str = ""
     complete: bool = False
-    """Whether the source gives all of it, and has no pose of its own."""
-    sure: bool = False
+    """Whether the source gives factor and offset, so that no saved pose is needed."""
+    is_direction_chosen: bool = False
     """Whether the user chose the direction."""
 
 
@@ -66,7 +66,8 @@ def trees_of(relations: Sequence[DofRelation], log: Diagnostics) -> list[list[Do
 
 
 def driver_of(tree: Sequence[DofRelation]) -> str:
-    """Returns the first dof that follows nothing. It exists, as a tree has fewer relations than dofs."""
+    """Returns the first dof that follows no other dof. There is one, since a tree has fewer relations than
+    dofs."""
     followers = {relation.follower for relation in tree}
     return next(relation.driver for relation in tree if relation.driver not in followers)
 
@@ -80,7 +81,8 @@ def steps_of(tree: Sequence[DofRelation]) -> list[Step]:
 
 
 def walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
-    """Yields every step of a tree, turned to lead away from `start`, a parent's before its children's."""
+    """Yields every step of a tree, in the direction away from `start`, a parent's step before its
+    children's."""
     indices_of: dict[str, list[int]] = {}
     for number, step in enumerate(steps):
         indices_of.setdefault(step.parent, []).append(number)
@@ -88,12 +90,12 @@ def walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
     reached, ready = {start}, indices_of[start]
     while ready:
         step = steps[heappop(ready)]
-        away = step if step.parent in reached else step.inverted()
-        if away.child in reached:
-            continue  # the step that led here, seen from its other end
-        reached.add(away.child)
-        yield away
-        for number in indices_of[away.child]:
+        step_away = step if step.parent in reached else step.inverted()
+        if step_away.child in reached:
+            continue  # the step by which this dof was reached, from its other end
+        reached.add(step_away.child)
+        yield step_away
+        for number in indices_of[step_away.child]:
             heappush(ready, number)
 
 
@@ -103,9 +105,8 @@ def _pair(spec: RelationSpec) -> tuple[str, str]:
 
 
 def followed_values(specs: Iterable[RelationSpec], saved: Mapping[str, Value]) -> dict[str, float]:
-    """Returns the values of scalar dofs where the drivers are as `saved`.
-
-    The relations are complete (MIMIC); the values equal those of the pass over relations.
+    """Returns the values of all scalar dofs, with followers as their drivers' values in `saved` give them.
+    The relations must be complete (MIMIC); the result equals that of `with_relations`.
     """
     ordered = sorted(specs, key=lambda spec: (spec.title, spec.connections))
     relations = [

@@ -1,8 +1,8 @@
 """Builds a robot from a mechanism and its tree: frames, joints, loops and links.
 
-With W₀, W₁ the world frames of a connection's first and second entity, its dofs lead from the second to
-the first. Where the first entity is the parent the chain runs backwards and every axis is negated, so
-that a value keeps its meaning. A child link's frame is its own entity's.
+The dofs of a connection lead from the frame of its second entity to that of its first. If the first entity is
+on the parent, the chain runs backwards and every axis is negated, so that a value keeps its meaning. The
+frame of a child link is that of its entity.
 """
 
 from collections.abc import Mapping
@@ -53,11 +53,11 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphSections, log: Diagnostic
     for edge in tree.edges:
         if edge.connection is None:
             world_from_link[edge.child] = mechanism.bodies[edge.child].world_from_body
-            joints.append(_stand_in(edge, mechanism, world_from_link, taken_names))
+            joints.append(_replacement_joint(edge, mechanism, world_from_link, taken_names))
         else:
             joints.append(_joint(edge, edge.connection, mechanism, world_from_link))
             _check_pose(edge.connection, log)
-            _check_afloat(joints[-1], mechanism.bodies[tree.root].name, log)
+            _check_floating(joints[-1], mechanism.bodies[tree.root].name, log)
     for connection in tree.cut:
         _check_pose(connection, log)
     parents = {edge.child: edge.parent for edge in tree.edges}
@@ -89,8 +89,8 @@ def _joint(
     edge: Edge, connection: Connection, mechanism: Mechanism, world_from_link: dict[int, Array]
 ) -> Joint:
     first, second = connection.world_from_frames
-    turned = connection.bodies[0] != edge.child
-    parent, child = (first, second) if turned else (second, first)
+    backwards = connection.bodies[0] != edge.child
+    parent, child = (first, second) if backwards else (second, first)
     world_from_link[edge.child] = child
     return Joint(
         name=connection.name,
@@ -98,37 +98,38 @@ def _joint(
         parent=mechanism.bodies[edge.parent].name,
         child=mechanism.bodies[edge.child].name,
         parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ parent),
-        dofs=reversed_dofs(connection.dofs) if turned else connection.dofs,
-        backwards=turned,
+        dofs=reversed_dofs(connection.dofs) if backwards else connection.dofs,
+        backwards=backwards,
         mate=connection.ref,
     )
 
 
-def _stand_in(
+def _replacement_joint(
     edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken_names: set[str]
 ) -> Joint:
-    """Returns the joint of a link that no connection joins to the root: fixed or free."""
+    """Returns the fixed or free joint of a link that no connection joins to the root."""
     body = mechanism.bodies[edge.child]
     child = body.name
-    name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken_names)
+    name = (edge.replacement == "free" and body.floating_joint) or free(
+        f"{child}_{edge.replacement}", taken_names
+    )
     taken_names.add(name)
     zero = frozen(np.zeros(3))
     floating = Dof(name, "free", zero, frozen(np.eye(4)), Limits(), Dynamics(), at_rest("free"))
     return Joint(
         name=name,
-        type=edge.stand_in,
+        type=edge.replacement,
         parent=mechanism.bodies[edge.parent].name,
         child=child,
         parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ world_from_link[edge.child]),
-        dofs=(floating,) if edge.stand_in == "free" else (),
+        dofs=(floating,) if edge.replacement == "free" else (),
         backwards=False,
         mate=None,
     )
 
 
-def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
-    """Reports E-FLOATING for a link that floats relative to a moving link: its pose is measured in the
-    root."""
+def _check_floating(joint: Joint, root: str, log: Diagnostics) -> None:
+    """Reports E-FLOATING for a link that floats relative to another link than the root."""
     if joint.type == "free" and joint.parent != root:
         text = f"it floats relative to the moving link {joint.parent!r}; only the root {root!r} is allowed"
         hint = f"make the root its parent, or choose the root: root.select={joint.parent}"
@@ -149,12 +150,12 @@ def _link(body: RigidBody, world_from_link: Array) -> Link:
         replace(part, link_from_part=frozen(link_from_world @ part.link_from_part)) for part in body.parts
     )
     own_inertial = None if body.own_inertial is None else moved(body.own_inertial, link_from_world)
-    summed = merged([moved(part.inertial, part.link_from_part) for part in parts])
+    sum_of_parts = merged([moved(part.inertial, part.link_from_part) for part in parts])
     shapes = tuple(
         replace(shape, link_from_shape=frozen(link_from_world @ shape.link_from_shape))
         for shape in body.shapes
     )
-    return Link(body.name, own_inertial or summed, parts, body.path, own_inertial, shapes)
+    return Link(body.name, own_inertial or sum_of_parts, parts, body.path, own_inertial, shapes)
 
 
 def _loop(
@@ -166,15 +167,15 @@ def _loop(
 ) -> Loop:
     """Returns a loop; `paths`: the paths from the first and from the second entity's body up the tree to
     where they meet."""
-    a, b = connection.bodies
+    first_body, second_body = connection.bodies
     first, second = connection.world_from_frames
     return Loop(
         name=connection.name,
         type=connection.type,
-        link_a=mechanism.bodies[a].name,
-        link_b=mechanism.bodies[b].name,
-        a_from_frame=frozen(inverse(world_from_link[a]) @ first),
-        b_from_frame=frozen(inverse(world_from_link[b]) @ second),
+        link_a=mechanism.bodies[first_body].name,
+        link_b=mechanism.bodies[second_body].name,
+        a_from_frame=frozen(inverse(world_from_link[first_body]) @ first),
+        b_from_frame=frozen(inverse(world_from_link[second_body]) @ second),
         dofs=connection.dofs,
         lever=_lever(first[:3, 3], [world_from_link[body][:3, 3] for path in paths for body in path]),
         solref=solref,
@@ -184,7 +185,8 @@ def _loop(
 
 
 def _lever(origin: Array, origins: list[Array]) -> float:
-    """Returns half the loop's reach from its closing joint: a length on the mechanism's own scale."""
+    """Returns half of the largest distance [m] of the loop's links from its closing joint, 0.05 m if that is
+    0: a length on the scale of the mechanism."""
     reach = max((float(np.linalg.norm(other - origin)) for other in origins), default=0.0)
     return reach / 2 if reach > 1e-6 else 0.05
 

@@ -26,9 +26,13 @@ def choose_root(mechanism: Mechanism, section: RootSection) -> tuple[int, Array]
     root = _selected(mechanism, section.select, marker, origin)
     name = mechanism.bodies[root].name
     if origin is not None and root != origin:
-        movers = [connection.title for connection in mechanism.connections if origin in connection.bodies]
-        move = "moves" if len(movers) == 1 else "move"
-        msg = f"{name!r} cannot be the root: {', '.join(movers)} {move} relative to the assembly's origin"
+        moving_mates = [
+            connection.title for connection in mechanism.connections if origin in connection.bodies
+        ]
+        move = "moves" if len(moving_mates) == 1 else "move"
+        msg = (
+            f"{name!r} cannot be the root: {', '.join(moving_mates)} {move} relative to the assembly's origin"
+        )
         raise NoRoot(
             msg, "root.select", "leave root.select at auto, or mate to a fixed part instead of the origin"
         )
@@ -52,7 +56,7 @@ def _marker(mechanism: Mechanism, name: str) -> Marker:
 
 
 def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: int | None) -> int:
-    """Returns the number of the body that `select` chooses; raises NoRoot unless it is one."""
+    """Returns the number of the body that `select` chooses; raises NoRoot if it chooses none or several."""
     bodies = mechanism.bodies
     if select == "auto":
         if origin is not None:
@@ -78,10 +82,10 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
     raise NoRoot(msg, "root.select", f"name one of: {candidates}")
 
 
-def heaviest(mechanism: Mechanism, among: Sequence[int]) -> int:
+def heaviest(mechanism: Mechanism, body_indices: Sequence[int]) -> int:
     """Returns the number of the heaviest body; of equally heavy bodies, the first by name."""
-    mass = {body: sum(part.inertial.mass for part in mechanism.bodies[body].parts) for body in among}
-    return min(among, key=lambda number: (-mass[number], mechanism.bodies[number].name))
+    mass = {body: sum(part.inertial.mass for part in mechanism.bodies[body].parts) for body in body_indices}
+    return min(body_indices, key=lambda number: (-mass[number], mechanism.bodies[number].name))
 
 
 def base_of(mechanism: Mechanism, root: int, section: RootSection, log: Diagnostics) -> Base:
@@ -95,7 +99,7 @@ def base_of(mechanism: Mechanism, root: int, section: RootSection, log: Diagnost
         )
         # The error ends the build later; until then, go on as with auto.
     elif section.base != "auto":
-        return Base(section.base == "fixed", f"root.base is {section.base}", body.afloat or "")
+        return Base(section.base == "fixed", f"root.base is {section.base}", body.floating_joint or "")
     if body.fixed_reason:
         return Base(True, body.fixed_reason)
     other = next((fixed_body for fixed_body in mechanism.bodies if fixed_body.fixed_reason), None)
@@ -108,4 +112,4 @@ def base_of(mechanism: Mechanism, root: int, section: RootSection, log: Diagnost
         )
     if mechanism.unstated_base is not None:
         log.add([replace(mechanism.unstated_base, where=body.name)])
-    return Base(False, "nothing fixes the root link to the world", body.afloat or "")
+    return Base(False, "nothing fixes the root link to the world", body.floating_joint or "")

@@ -17,12 +17,14 @@ from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 from linkwright.stages.robot.text.plural import count
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
-"""Connections go into the tree by this rank (others: 1); the last are the first to be cut."""
+"""Rank of connections (other types: 1): those of the smallest rank go into the tree first, so that those of
+the largest are cut."""
 
-_JOIN = "connect it by a joint in the file, or remove it"
+_JOIN_HINT = "connect it by a joint in the file, or remove it"
 
-LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PATTERN", "W-PEER-MATE")
-"""Codes of features that hold nothing: reported beside unconnected parts, as they may be the reason."""
+IDLE_FEATURE_CODES = ("W-MATE-BROKEN", "W-FEATURE", "W-PATTERN", "W-PEER-MATE")
+"""Codes of features that connect nothing: they are reported again with unconnected parts, as a possible
+reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +34,7 @@ class Edge:
     parent: int
     child: int
     connection: Connection | None
-    stand_in: Literal["fixed", "free"] = "fixed"
+    replacement: Literal["fixed", "free"] = "fixed"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,17 +51,16 @@ class Tree:
 
 
 def spanning_tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:
-    """Returns the spanning tree, in which driven connections stay: relations, then limited mates, sliders
-    before turns.
-
-    Kruskal over a total order of the connections, so neither the root nor the order of features decides
-    the cuts; mates without limits and relations close the loops, unless `loops.cut` names others.
+    """Returns the spanning tree, by Kruskal's algorithm over a total order of the connections, so that
+    neither the root nor the order of features decides which are cut. Connections with relations and those
+    with limits stay in the tree if possible, and mates without them close the loops, unless `loops.cut` names
+    others (see `rank`).
     """
     root, world_from_root = choose_root(mechanism, keys.root)
     graph, cut = _forest(mechanism, keys.loops.cut, log)
     _report_uncut(mechanism, keys.loops.cut, cut, log)
-    in_order = mechanism.mjcf is not None
-    order, edges = _walk(graph, root, in_order)
+    by_number = mechanism.mjcf is not None
+    order, edges = _walk(graph, root, by_number)
     islands = _islands(mechanism, graph, set(order))
     if islands and keys.root.disconnected == "error":
         raise _disconnected_error(mechanism, root, islands, log)
@@ -79,20 +80,20 @@ def _forest(
     forest = nx.utils.UnionFind(range(len(mechanism.bodies)))
     graph: nx.MultiGraph = nx.MultiGraph()
     graph.add_nodes_from(range(len(mechanism.bodies)))
-    closing = []
+    loop_closures = []
     for connection in _by_rank(mechanism, cut, log):
         first, second = connection.bodies
         if forest[first] == forest[second]:
-            closing.append(connection)
+            loop_closures.append(connection)
         else:
             forest.union(first, second)
             graph.add_edge(first, second, connection=connection)
-    return graph, closing
+    return graph, loop_closures
 
 
 def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Connection]:
-    """Returns the connections, those that shall be in the tree first."""
-    related = {name for spec in mechanism.relations for name in spec.connections}
+    """Returns the connections in the order in which they go into the tree."""
+    related_names = {name for spec in mechanism.relations for name in spec.connections}
     for glob in cut:
         if not any(_has_name(connection, glob) for connection in mechanism.connections):
             hint = no_match_hint(
@@ -100,18 +101,18 @@ def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> li
             )
             log.unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
 
-    def rank(connection: Connection) -> tuple[object, ...]:
+    def sort_key(connection: Connection) -> tuple[object, ...]:
         return (
             any(_has_name(connection, glob) for glob in cut),
             connection.closes,
             CUT_LAST.get(connection.type, 1),
-            connection.name not in related,
-            not connection.limited,
+            connection.name not in related_names,
+            not connection.has_limits,
             natural(connection.name),
             connection.name,
         )
 
-    return sorted(mechanism.connections, key=rank)
+    return sorted(mechanism.connections, key=sort_key)
 
 
 def _has_name(connection: Connection, glob: str) -> bool:
@@ -130,13 +131,13 @@ def _report_uncut(
             log.report("W-LOOP-CUT", text, "loops.cut", "remove it from loops.cut")
 
 
-def _walk(graph: nx.MultiGraph, root: int, in_order: bool = False) -> tuple[list[int], list[Edge]]:
-    """Returns the bodies and edges depth first, children by the names of their joints, or `in_order` by their
-    numbers: the order of every exported file."""
+def _walk(graph: nx.MultiGraph, root: int, by_number: bool = False) -> tuple[list[int], list[Edge]]:
+    """Returns the bodies and edges depth first, in the order of every exported file: children by the names of
+    their joints, or with `by_number` by their own numbers."""
     order: list[int] = [root]
     edges: list[Edge] = []
     visited = {root}
-    stack = [_branches(graph, root, in_order)]
+    stack = [_branches(graph, root, by_number)]
     while stack:
         edge = next(stack[-1], None)
         if edge is None:
@@ -145,13 +146,13 @@ def _walk(graph: nx.MultiGraph, root: int, in_order: bool = False) -> tuple[list
             visited.add(edge.child)
             order.append(edge.child)
             edges.append(edge)
-            stack.append(_branches(graph, edge.child, in_order))
+            stack.append(_branches(graph, edge.child, by_number))
     return order, edges
 
 
-def _branches(graph: nx.MultiGraph, body: int, in_order: bool) -> Iterator[Edge]:
+def _branches(graph: nx.MultiGraph, body: int, by_number: bool) -> Iterator[Edge]:
     edges = [Edge(body, other, data["connection"]) for _, other, data in graph.edges(body, data=True)]
-    if in_order:
+    if by_number:
         return iter(sorted(edges, key=lambda edge: edge.child))
     return iter(sorted(edges, key=lambda edge: natural(edge.connection.name if edge.connection else "")))
 
@@ -174,7 +175,7 @@ def _disconnected_error(
     mechanism: Mechanism, root: int, islands: list[list[int]], log: Diagnostics
 ) -> Disconnected:
     bodies = mechanism.bodies
-    problems = [diagnostic for diagnostic in log.found if diagnostic.code in LEFT_OUT]
+    problems = [diagnostic for diagnostic in log.found if diagnostic.code in IDLE_FEATURE_CODES]
     for island in islands:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
@@ -183,7 +184,7 @@ def _disconnected_error(
         hint = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
         if not mechanism.has_saved_pose:
             text = f"{_count_and_verb(len(island), 'link')} not connected to the root"
-            where, hint = names, _JOIN
+            where, hint = names, _JOIN_HINT
         problems.append(Diagnostic("E-LOOSE", text, where, hint))
     total = sum(len(island) for island in islands)
     verb = "is" if total == 1 else "are"
@@ -203,20 +204,20 @@ def _report_island(mechanism: Mechanism, island: list[int], keys: RootSection, l
     names = ", ".join(sorted(mechanism.bodies[body].name for body in island))
     treatments = {"drop": "left out", "weld": "fixed to the root", "separate": "floating on its own"}
     text = f"{names}: {treatments[keys.disconnected]}, as it is not connected to the root"
-    hint = "mate it to the robot in Onshape, or suppress it" if mechanism.has_saved_pose else _JOIN
+    hint = "mate it to the robot in Onshape, or suppress it" if mechanism.has_saved_pose else _JOIN_HINT
     log.report("I-LOOSE", text, f"root.disconnected: {keys.disconnected}", hint)
 
 
 def _island_tree(
     mechanism: Mechanism, graph: nx.MultiGraph, root: int, island: list[int], keys: RootSection
 ) -> tuple[list[int], list[Edge]]:
-    """Returns the bodies of an island in order, and their edges, the first from the root; nothing if it is
-    dropped."""
+    """Returns the bodies of an island in order, and their edges, the first of which comes from the root; both
+    are empty if islands are dropped."""
     if keys.disconnected == "drop":
         return [], []
     fixed = [body for body in island if mechanism.bodies[body].fixed_reason]
-    afloat = [body for body in island if mechanism.bodies[body].afloat is not None]
-    head = heaviest(mechanism, fixed or afloat or island)
+    floating_joint = [body for body in island if mechanism.bodies[body].floating_joint is not None]
+    head = heaviest(mechanism, fixed or floating_joint or island)
     order, edges = _walk(graph, head)
-    stand_in: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
-    return order, [Edge(root, head, None, stand_in), *edges]
+    replacement: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
+    return order, [Edge(root, head, None, replacement), *edges]

@@ -13,7 +13,7 @@ from linkwright.stages.robot.text.names import free
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
     """Returns the actuators; unnamed actuators get the names of their dofs."""
     dofs = _dofs(mjcf, names)
-    called = actuator_names(mjcf, names)
+    names_of_actuators = actuator_names(mjcf, names)
     return tuple(
         Actuator(
             name=name,
@@ -26,14 +26,14 @@ def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
             force=actuator.force,
             terms=actuator.terms,
         )
-        for actuator, name in zip(mjcf.actuators, called, strict=True)
+        for actuator, name in zip(mjcf.actuators, names_of_actuators, strict=True)
     )
 
 
 def sensors_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Sensor, ...]:
-    """Returns the sensors whose objects have names now; unnamed sensors get names."""
+    """Returns the sensors whose objects are in the robot; unnamed sensors get names."""
     sensors = []
-    name_of = _namer(mjcf, names)
+    name_of = _end_names(mjcf, names)
     for sensor, name in zip(mjcf.sensors, sensor_names(mjcf, names), strict=True):
         target, reference = name_of(sensor.on), name_of(sensor.relative_to)
         if target is None or reference is None:
@@ -49,17 +49,17 @@ def sensors_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Sensor, ...]:
 
 def sensor_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
     """Returns the names of all sensors: an unnamed sensor is called after its object."""
-    taken_names, name_of = {sensor.name for sensor in mjcf.sensors}, _namer(mjcf, names)
+    taken_names, name_of = {sensor.name for sensor in mjcf.sensors}, _end_names(mjcf, names)
     all_names = []
     for sensor in mjcf.sensors:
-        on = name_of(sensor.on) or ""
-        all_names.append(sensor.name or free(f"{on}_{sensor.type}".lstrip("_"), taken_names))
+        object_name = name_of(sensor.on) or ""
+        all_names.append(sensor.name or free(f"{object_name}_{sensor.type}".lstrip("_"), taken_names))
         taken_names.add(all_names[-1])
     return all_names
 
 
 def actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
-    """Returns the names of all actuators."""
+    """Returns the names of all actuators: an unnamed actuator gets the name of its dof."""
     dofs = _dofs(mjcf, names)
     taken_names = {actuator.name for actuator in mjcf.actuators}
     all_names = []
@@ -69,9 +69,9 @@ def actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
     return all_names
 
 
-def _namer(mjcf: Mjcf, names: MjcfFileNames) -> Callable[[MjcfSensorEnd], str | None]:
-    """Returns a function that gives the name of a sensor's end: "" for nothing, None for a site that is no
-    frame."""
+def _end_names(mjcf: Mjcf, names: MjcfFileNames) -> Callable[[MjcfSensorEnd], str | None]:
+    """Returns a function that gives the robot's name for an end of a sensor: "" for an end without an object,
+    None for a site that does not become a frame."""
     names_by_kind: dict[str, Sequence[str | None]] = {
         "joint": _dofs(mjcf, names),
         "actuator": actuator_names(mjcf, names),

@@ -17,7 +17,7 @@ def _world_children(mjcf: Mjcf) -> list[int]:
 
 
 def floats(body: MjcfBody) -> bool:
-    """Returns whether a body has a free joint."""
+    """Tells whether a body has a free joint."""
     return any(joint.type == "free" for joint in body.joints)
 
 
@@ -32,7 +32,8 @@ def link_bodies_of(mjcf: Mjcf, closings: Sequence[Closing], free: bool) -> list[
     fixed to it or moves relative to it.
 
     If a single body is fixed, and its frame is the world's, that body is the base and the world is no link.
-    So it is, in any frame, if the base is to float (`free`) and no other body is below the world.
+    If the base is to float (`free`), and no other body is below the world, that holds for any frame of the
+    body.
     """
     world_children = _world_children(mjcf)
     all_bodies = list(range(len(mjcf.bodies)))
@@ -49,11 +50,13 @@ def tree_closings(mjcf: Mjcf, closings: Sequence[Closing]) -> list[Closing]:
     """Returns the closures that connect otherwise separate trees: each becomes a joint of the tree."""
     world_child = _world_child_above(mjcf)
     not_floating = {number for number in _world_children(mjcf) if not floats(mjcf.bodies[number])} | {0}
-    trees = (
+    tree_roots = (
         {0 if world_child[body] in not_floating else world_child[body] for body in closing.closure.bodies}
         for closing in closings
     )
-    return [closing for closing, ends in zip(closings, trees, strict=True) if len(ends) > 1]
+    return [
+        closing for closing, roots_of_ends in zip(closings, tree_roots, strict=True) if len(roots_of_ends) > 1
+    ]
 
 
 def _world_child_above(mjcf: Mjcf) -> dict[int, int]:
@@ -72,5 +75,5 @@ def root_of(mjcf: Mjcf, link_bodies: Sequence[int]) -> int:
     base = base_of(mjcf)
     if base is not None:
         return base
-    count = list(_world_child_above(mjcf).values())
-    return min(_world_children(mjcf), key=lambda number: (-count.count(number), number))
+    ancestors = list(_world_child_above(mjcf).values())
+    return min(_world_children(mjcf), key=lambda number: (-ancestors.count(number), number))

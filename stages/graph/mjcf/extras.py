@@ -25,13 +25,14 @@ def extras_of(
     keyframes: Sequence[Keyframe],
     link_from_body: Mapping[int, Array],
 ) -> MjcfExtras:
-    """Returns the extras; `link_from_body` (4, 4): of each body that became a link, by its number."""
-    changed = _new_names(mjcf, names)
+    """Returns the extras. `link_from_body`: number of each body that became a link → link_from_body (4,
+    4)."""
+    new_names = _new_names(mjcf, names)
 
-    def now(element: MjcfElement) -> MjcfElement:
-        return element.renamed(lambda kind, name: changed.get((kind, name), name))
+    def renamed_element(element: MjcfElement) -> MjcfElement:
+        return element.renamed(lambda kind, name: new_names.get((kind, name), name))
 
-    linked = [(number, mjcf.bodies[number]) for number in link_from_body if number]
+    link_bodies = [(number, mjcf.bodies[number]) for number in link_from_body if number]
     return replace(
         mjcf.extras,
         bodies=tuple(
@@ -40,16 +41,16 @@ def extras_of(
                 link_from_body[number],
                 body.axes if body.inertial is not None else None,
             )
-            for number, body in linked
+            for number, body in link_bodies
         ),
         attributes=tuple(_attributes(mjcf, names, closings)),
         mounted=tuple(
-            MjcfMounted(names.links[number], element.body_from_element, now(element.element))
-            for number, body in linked
+            MjcfMounted(names.links[number], element.body_from_element, renamed_element(element.element))
+            for number, body in link_bodies
             for element in body.mounted
         ),
-        sections=tuple(now(section) for section in mjcf.extras.sections),
-        scene=tuple(now(section) for section in mjcf.extras.scene),
+        sections=tuple(renamed_element(section) for section in mjcf.extras.sections),
+        scene=tuple(renamed_element(section) for section in mjcf.extras.scene),
         order=tuple(_order(mjcf, names)),
         keyframes=tuple(
             _keyframe(pose, keyframe.name) for pose, keyframe in zip(mjcf.keyframes, keyframes, strict=True)
@@ -58,15 +59,15 @@ def extras_of(
 
 
 def _new_names(mjcf: Mjcf, names: MjcfFileNames) -> dict[tuple[str, str], str]:
-    changed = {}
+    new_names = {}
     for number, body in enumerate(mjcf.bodies):
-        changed["body", body.name] = names.links[number]
-        changed |= {
+        new_names["body", body.name] = names.links[number]
+        new_names |= {
             ("joint", joint.name): name for joint, name in zip(body.joints, names.dofs[number], strict=True)
         }
         for index, site in enumerate(body.sites):
-            changed["site", site.name] = names.frames.get((number, index), site.name)
-    return changed
+            new_names["site", site.name] = names.frames.get((number, index), site.name)
+    return new_names
 
 
 def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -> Iterator[MjcfAttributes]:
@@ -97,14 +98,15 @@ def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -
 
 
 def _order(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yields the orders of elements, with the names of those that are unnamed in the file."""
-    final = {"actuator": actuator_names(mjcf, names), "sensor": sensor_names(mjcf, names)}
-    original = {
+    """Yields each section with the names of its elements in the file's order; elements without a name in the
+    file have their new names."""
+    new_names = {"actuator": actuator_names(mjcf, names), "sensor": sensor_names(mjcf, names)}
+    source_names = {
         "actuator": [actuator.name for actuator in mjcf.actuators],
         "sensor": [sensor.name for sensor in mjcf.sensors],
     }
     for section, order in mjcf.extras.order:
-        pairs = zip(original[section], final[section], strict=True)
+        pairs = zip(source_names[section], new_names[section], strict=True)
         unnamed = iter([name for old, name in pairs if not old])
         yield section, tuple(name or next(unnamed) for name in order)
 

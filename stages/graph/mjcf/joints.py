@@ -1,8 +1,8 @@
 """Combines a body's joints to one chain of dofs, and finds its joint type.
 
-MuJoCo's joint i takes the body's frame by Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹, with Pᵢ the shift to its anchor. A link's
-frame is that of its last joint: the body's own axes at the anchor, where that joint turns. So with the
-body at B in its parent
+MuJoCo's joint i moves the body's frame by Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹, where Pᵢ is the shift to its anchor. The frame
+of a link is that of its last joint: it has the body's axes, at the anchor of that joint if it turns. So with
+the body at B in its parent
 
     B Π Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹ Pₙ = B P₁ M₁(−q₀) · M₁(q) · P₁⁻¹ P₂ M₂(−q₀) · M₂(q) ...
 
@@ -41,10 +41,10 @@ class Chain:
     """The dofs of a body, from its parent's frame to its link's."""
 
     parent_from_start: Array
-    """From the parent body's frame to where the dofs begin (4, 4)."""
+    """Pose (4, 4) in the parent body of the frame in which the chain of dofs starts."""
     dofs: tuple[Dof, ...]
     body_from_link: Array
-    """Where the link's frame is in the body (4, 4)."""
+    """Pose of the link's frame in the body (4, 4)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,32 +52,33 @@ class BodyJoint:
     """A body's joints as a single joint."""
 
     name: str
-    """Empty if the names of the joints have no common part."""
+    """Common stem of the joints' names; "" without one."""
     type: JointType
     backwards: bool
-    """Whether they run as those of a mate whose second entity is the child."""
+    """Whether the dofs are in the order of a mate whose second entity is on the child."""
 
 
 def chain_of(body: MjcfBody, names: Sequence[str]) -> Chain:
-    """Returns the dofs of a body at their references. `names`: the names of the dofs."""
+    """Returns the dofs of a body, saved at MuJoCo's reference values `ref`. `names`: the names of the
+    dofs."""
     dofs: list[Dof] = []
-    previous = np.eye(4)
-    places = _places(body.joints)
-    for joint, name, place in zip(body.joints, names, places, strict=True):
+    previous_frame = np.eye(4)
+    anchor_frames = _anchor_frames(body.joints)
+    for joint, name, anchor_frame in zip(body.joints, names, anchor_frames, strict=True):
         kind = DOF_KINDS[joint.type]
-        scalar = kind in ("turn", "slide")
-        rest: Value = -joint.ref if scalar else at_rest(kind)
-        origin = inverse(previous) @ place @ motion(kind, joint.axis, rest)
-        saved: Value = joint.ref if scalar else rest
+        is_scalar = kind in ("turn", "slide")
+        rest_value: Value = -joint.ref if is_scalar else at_rest(kind)
+        origin = inverse(previous_frame) @ anchor_frame @ motion(kind, joint.axis, rest_value)
+        saved: Value = joint.ref if is_scalar else rest_value
         axis = frozen(joint.axis + 0.0)
         properties = joint.limits, joint.dynamics
         dofs.append(Dof(name, kind, axis, origin, *properties, saved, spring=joint.spring))
-        previous = place
+        previous_frame = anchor_frame
     start = body.parent_from_body @ _gather_origins(dofs)
-    return Chain(frozen(start), tuple(dofs), frozen(previous))
+    return Chain(frozen(start), tuple(dofs), frozen(previous_frame))
 
 
-def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
+def _anchor_frames(joints: Sequence[MjcfJoint]) -> list[Array]:
     """Returns the point of action (4, 4) of each joint in the body; a slide gets that of the next joint that
     turns."""
     places: list[Array] = []
@@ -100,8 +101,8 @@ def _gather_origins(dofs: list[Dof]) -> Array:
             origins[index - 1] = origins[index - 1] @ origin
     start = origins[0] if dofs else np.eye(4)
     for index, dof in enumerate(dofs):
-        still = not index or np.abs(origins[index] - np.eye(4)).max() < FRAME_TOLERANCE
-        dofs[index] = replace(dof, origin=frozen(np.eye(4) if still else origins[index]))
+        is_identity = not index or np.abs(origins[index] - np.eye(4)).max() < FRAME_TOLERANCE
+        dofs[index] = replace(dof, origin=frozen(np.eye(4) if is_identity else origins[index]))
     return start
 
 
@@ -112,16 +113,20 @@ def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
         if len(freedoms) < 2 or len(freedoms) != len(dofs):
             continue
         for backwards in (False, True):
-            row = freedoms[::-1] if backwards else freedoms
-            stem = names[0].removesuffix(row[0].suffix)
-            if stem and names == [stem + freedom.suffix for freedom in row] and _fits(dofs, row):
+            freedoms_in_order = freedoms[::-1] if backwards else freedoms
+            stem = names[0].removesuffix(freedoms_in_order[0].suffix)
+            if (
+                stem
+                and names == [stem + freedom.suffix for freedom in freedoms_in_order]
+                and _fits(dofs, freedoms_in_order)
+            ):
                 return BodyJoint(stem, kind, backwards)
     return BodyJoint("", "compound", False)
 
 
 def _fits(dofs: Sequence[Dof], freedoms: Sequence[Freedom]) -> bool:
-    """Returns whether the dofs move as these freedoms do, in whichever direction the frames are turned. A
-    slide along the axis of a turn may have the opposite direction, as that of a mirrored mate has."""
+    """Tells whether the dofs move as these freedoms do, if a rotation may be applied to all axes. A slide
+    along the axis of a turn may have the opposite direction, as in a mirrored mate."""
     if any(dof.kind != freedom.kind for dof, freedom in zip(dofs, freedoms, strict=True)):
         return False
     if any(np.abs(dof.origin - np.eye(4)).max() > AXIS_TOLERANCE for dof in dofs):

@@ -17,9 +17,11 @@ def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) 
     for index, keyframe in enumerate(mjcf.keyframes):
         name = keyframe.name or free(f"keyframe_{index}", taken_names)
         taken_names.add(name)
-        lost = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
-        if lost:
-            text = f"the source's keyframe moves balls or free bodies, which is left out: {name_list(lost)}"
+        lost_names = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
+        if lost_names:
+            text = (
+                f"the source's keyframe moves balls or free bodies, which is left out: {name_list(lost_names)}"
+            )
             log.report("I-KEYFRAME", text, name, "a keyframe has values of turns and slides")
         keyframes.append(Keyframe(name, tuple((dofs[joint][1], value) for joint, value in keyframe.values)))
     return tuple(keyframes)

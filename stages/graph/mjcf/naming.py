@@ -13,7 +13,7 @@ WORLD_NUMBER = 0
 """Number of the body that is the world."""
 
 MjcfFileNames = FileNames[int, tuple[int, int]]
-"""Joints and dofs by the body that they move, sites by body and place in it."""
+"""Joints and dofs are keyed by the body that they move, sites by their body and their index in it."""
 
 
 def names_of(
@@ -37,9 +37,9 @@ def names_of(
     namer.report(log)
     # Unnamed elements are named once all names in the file are known.
     links = namer.fill("link", links, ((number, f"body_{number}") for number, _ in bodies))
-    dofs = namer.fill("joint", dofs, _wanted_dofs(mjcf, links))
+    dofs = namer.fill("joint", dofs, _proposed_dofs(mjcf, links))
     joints = list(dofs.values())
-    relations = namer.fill("equality", equalities, _wanted_relations(mjcf, joints))
+    relations = namer.fill("equality", equalities, _proposed_relations(mjcf, joints))
     loops = _loops(namer, closings, joining, equalities)
     names_by_body = {
         number: tuple(dofs[number, place] for place in range(len(body.joints)))
@@ -65,15 +65,16 @@ def _names_in(element: MjcfElement) -> Iterator[str]:
 
 def _dofs(mjcf: Mjcf) -> Iterator[tuple[tuple[int, int], str]]:
     for number, body in enumerate(mjcf.bodies):
-        for place, joint in enumerate(body.joints):
-            yield (number, place), joint.name
+        for index, joint in enumerate(body.joints):
+            yield (number, index), joint.name
 
 
-def _wanted_dofs(mjcf: Mjcf, links: Mapping[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
-    """Yields names of dofs after their bodies, with a number where a body has several."""
-    for (number, place), _ in _dofs(mjcf):
-        several = len(mjcf.bodies[number].joints) > 1
-        yield (number, place), f"{links[number]}_joint" + (f"_{place + 1}" if several else "")
+def _proposed_dofs(mjcf: Mjcf, links: Mapping[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yields proposals for names of dofs: that of the body and "joint", with a number if the body has
+    several."""
+    for (number, index), _ in _dofs(mjcf):
+        has_several = len(mjcf.bodies[number].joints) > 1
+        yield (number, index), f"{links[number]}_joint" + (f"_{index + 1}" if has_several else "")
 
 
 def _sites(mjcf: Mjcf, hidden: Collection[str]) -> Iterator[tuple[tuple[int, int], str]]:
@@ -90,7 +91,7 @@ def _equalities(mjcf: Mjcf, closings: Sequence[Closing]) -> Iterator[tuple[tuple
         yield ("relation", index), relation.name
 
 
-def _wanted_relations(mjcf: Mjcf, joints: Sequence[str]) -> Iterator[tuple[tuple[str, int], str]]:
+def _proposed_relations(mjcf: Mjcf, joints: Sequence[str]) -> Iterator[tuple[tuple[str, int], str]]:
     for index, relation in enumerate(mjcf.relations):
         yield ("relation", index), f"{joints[relation.follower]}_relation"
 
@@ -101,7 +102,7 @@ def _loops(
     joining: Collection[Closing],
     kept_names: Mapping[tuple[str, int], str],
 ) -> dict[int, tuple[str, str]]:
-    """Returns the names of each equality and of its dof: the same name where no joint has it."""
+    """Returns the name of each equality, and that of its dof, which is the same unless a joint has it."""
     names = {}
     for index, closing in enumerate(closings):
         name = kept_names.get(("loop", index)) or namer.make("equality", "loop")

@@ -49,7 +49,8 @@ NO_JOINT = "the MJCF has no joint between it and the world"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pose:
-    """A pose: poses (4, 4) of bodies and links in the world, and the values of the dofs."""
+    """Poses (4, 4) in the world by the number of the body: of each body, of its link, and of the frame in
+    which its chain of dofs starts."""
 
     world_from_body: Mapping[int, Array]
     world_from_link: Mapping[int, Array]
@@ -62,38 +63,38 @@ def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tup
     log.add(mjcf.diagnostics)
     report_unused(keys, "MJCF", log)
     equalities = closings(mjcf.closures)
-    joined = tree_closings(mjcf, equalities)
-    for equality in joined:
+    tree_equalities = tree_closings(mjcf, equalities)
+    for equality in tree_equalities:
         text = "without this equality its bodies would float apart: it became a joint between them"
         log.report(
             "W-MJCF-TREE", text, equality.closure.name or mjcf.name, "connect the two bodies by a joint"
         )
-    names = names_of(mjcf, equalities, joined, closing_sites(equalities) | {WORLD_LINK}, log)
+    names = names_of(mjcf, equalities, tree_equalities, closing_sites(equalities) | {WORLD_LINK}, log)
     chains, saved = _chains(mjcf, names)
     pose = _pose_of(mjcf, chains, saved)
     link_bodies = link_bodies_of(mjcf, equalities, keys.root.base == "free")
-    numbers = {body: number for number, body in enumerate(link_bodies)}
-    if 0 not in numbers:
+    index_of = {body: number for number, body in enumerate(link_bodies)}
+    if 0 not in index_of:
         base = base_of(mjcf)
-        numbers |= {} if base is None else {0: numbers[base]}
-    separate = (
+        index_of |= {} if base is None else {0: index_of[base]}
+    loop_equalities = (
         (closing, *names.loops[index])
         for index, closing in enumerate(equalities)
-        if len({numbers[body] for body in closing.closure.bodies}) > 1
+        if len({index_of[body] for body in closing.closure.bodies}) > 1
     )
-    closing = connections(separate, numbers, pose.world_from_body)
+    closing = connections(loop_equalities, index_of, pose.world_from_body)
     root = root_of(mjcf, link_bodies)
     keyframes = keyframes_of(mjcf, names, root, log)
     link_from_body = {
         body: frozen(inverse(pose.world_from_link[body]) @ pose.world_from_body[body]) for body in link_bodies
     }
     mechanism = Mechanism(
-        bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in link_bodies),
-        connections=(*_tree(mjcf, names, chains, pose, numbers), *closing),
+        bodies=tuple(_body(mjcf, number, names, pose, index_of) for number in link_bodies),
+        connections=(*_tree(mjcf, names, chains, pose, index_of), *closing),
         relations=tuple(_relations(mjcf, names)),
-        markers=tuple(_markers(mjcf, names, pose, numbers, log)),
+        markers=tuple(_markers(mjcf, names, pose, index_of, log)),
         provenance=Provenance(**bundle.root),
-        root=numbers[root],
+        root=index_of[root],
         has_saved_pose=False,
         actuators=actuators_of(mjcf, names),
         sensors=sensors_of(mjcf, names),
@@ -114,7 +115,7 @@ def _decode(bundle: Bundle) -> Mjcf:
 
 
 def _require_tree(mjcf: Mjcf) -> None:
-    """Raises ValueError where a number refers to nothing: a bundle may come from anyone."""
+    """Raises ValueError if a number refers to no element: a bundle may come from anyone."""
     joints = sum(len(body.joints) for body in mjcf.bodies)
     numbers = [number for closure in mjcf.closures for number in closure.bodies]
     ends = [number for relation in mjcf.relations for number in (relation.follower, relation.driver)]
@@ -170,7 +171,7 @@ def _body(
         titles=frozenset({name, body.name or name}),
         fixed_reason=fixed_reason,
         world_from_body=pose.world_from_link[number],
-        afloat=_free_joint(mjcf, number, names),
+        floating_joint=_free_joint(mjcf, number, names),
         own_inertial=None if body.inertial is None else moved(body.inertial, world_from_body),
         shapes=tuple(_primitive(geom, world_from_body) for geom in body.geoms if geom.kind != "mesh"),
     )
@@ -190,12 +191,12 @@ def _free_joint(mjcf: Mjcf, number: int, names: MjcfFileNames) -> str | None:
 def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
     meshes = [geom for geom in body.geoms if geom.mesh is not None]
     width = len(str(len(meshes)))
-    for count, geom in enumerate(meshes, start=1):
+    for number_of_geom, geom in enumerate(meshes, start=1):
         assert geom.mesh is not None
         world_from_part = frozen(world_from_body @ geom.body_from_geom)
         yield Part(
-            path=(body.name or name, "geom", f"{count:0{width}d}"),
-            name=f"{name}/{geom.form.name or f'geom {count}'}",
+            path=(body.name or name, "geom", f"{number_of_geom:0{width}d}"),
+            name=f"{name}/{geom.form.name or f'geom {number_of_geom}'}",
             part_id=geom.mesh.part,
             mesh=geom.mesh,
             link_from_part=world_from_part,
@@ -224,10 +225,10 @@ def _tree(
         if parent is None or parent == numbers[number] or floats(body):
             continue
         dofs = chains[number].dofs
-        name, kind, turned = _joint_meaning(number, body, names, chains[number])
+        name, kind, is_backwards = _joint_meaning(number, body, names, chains[number])
         frames = (pose.world_from_link[number], frozen(pose.world_from_start[number]))
         bodies = (numbers[number], parent)
-        if turned:
+        if is_backwards:
             frames, bodies, dofs = frames[::-1], bodies[::-1], reversed_dofs(dofs)
         types = "+".join(joint.type for joint in body.joints) or "fixed"
         title = ", ".join(joint.name or dof.name for joint, dof in zip(body.joints, chains[number].dofs))
@@ -246,15 +247,15 @@ def _tree(
 def _joint_meaning(
     number: int, body: MjcfBody, names: MjcfFileNames, dofs_chain: Chain
 ) -> tuple[str, JointType, bool]:
-    """Returns the name and the type of a body's joints together, and whether they run from the first entity's
-    side."""
+    """Returns the name and the type of a body's joints as a single joint, and whether its dofs run backwards
+    (see `BodyJoint`)."""
     name = names.joints[number]
     if not dofs_chain.dofs:
         return name, "fixed", False
     if len(dofs_chain.dofs) == 1:
         return name, SINGLE_JOINT_TYPES[body.joints[0].type], False
-    together = body_joint(dofs_chain.dofs)
-    return together.name or name, together.type, together.backwards
+    combined_joint = body_joint(dofs_chain.dofs)
+    return combined_joint.name or name, combined_joint.type, combined_joint.backwards
 
 
 def _relations(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[RelationSpec]:
@@ -275,15 +276,18 @@ def _relations(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[RelationSpec]:
 def _markers(
     mjcf: Mjcf, names: MjcfFileNames, pose: _Pose, numbers: Mapping[int, int], log: Diagnostics
 ) -> Iterator[Marker]:
-    """Yields sites, as frames of their links."""
-    lost = []
+    """Yields a marker for each site that becomes a frame. Reports W-FRAME for sites of a world that is no
+    link."""
+    lost_sites = []
     for (number, index), name in sorted(names.frames.items()):
         site = mjcf.bodies[number].sites[index]
         if number not in numbers:
-            lost.append(site.name)
+            lost_sites.append(site.name)
             continue
         frame = frozen(pose.world_from_body[number] @ site.body_from_site)
         yield Marker(name, site.name, numbers[number], frame, site.name)
-    if lost:
-        text = f"sites of the world are left out, since the world is not a link: {', '.join(sorted(lost))}"
+    if lost_sites:
+        text = (
+            f"sites of the world are left out, since the world is not a link: {', '.join(sorted(lost_sites))}"
+        )
         log.report("W-FRAME", text, mjcf.name, "put them on a body")

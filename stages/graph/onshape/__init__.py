@@ -1,9 +1,9 @@
 """The reader of Onshape's documents: turns an assembly into a mechanism.
 
-- assembly: Describes an assembly as drawn: every occurrence at any depth, and every feature at each place
-  where it acts.
+- assembly: Describes an assembly as drawn: every occurrence at any depth, and every feature once for each
+  occurrence of its owner.
 - bodies: Finds the rigid bodies of an assembly: the parts that move together.
-- definition: Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know.
+- definition: Reads Onshape's assembly definition into an `Assembly`; unknown keys are ignored.
 - hidden: Leaves out instances that are hidden in CAD, as if they were suppressed (key `hidden`).
 - naming: Names links, joints and frames after what the designer typed.
 - onshape_to_robot: Translates the names of documents made for onshape-to-robot to features and keys of our

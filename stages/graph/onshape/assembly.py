@@ -1,5 +1,5 @@
-"""Describes an assembly as drawn: every occurrence at any depth, and every feature at each place where it
-acts.
+"""Describes an assembly as drawn: every occurrence at any depth, and every feature once for each occurrence
+of its owner.
 
 The features of a sub-assembly act once for each of its occurrences, so a feature is identified by the
 occurrence path of its owner and its id.
@@ -25,12 +25,12 @@ ORIGIN = frozen(np.eye(4))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occurrence:
-    """An instance at a place in the assembly."""
+    """An instance of a part or sub-assembly, at its place in the root assembly."""
 
     path: Path
-    """Ids of the instances down to it."""
+    """Ids of the instances from the root assembly down to this one."""
     names: tuple[str, ...]
-    """Names of the instances down to it."""
+    """Names of the instances from the root assembly down to this one."""
     record: Record
     world_from_occurrence: Array
     fixed: bool
@@ -38,12 +38,12 @@ class Occurrence:
 
     @property
     def is_part(self) -> bool:
-        """Whether it is a part, not a sub-assembly."""
+        """Whether the occurrence is a part, not a sub-assembly."""
         return bool(self.record.get("type") == "Part")
 
     @property
     def title(self) -> str:
-        """Its names, joined by "/"."""
+        """The names down to the occurrence, joined by "/"."""
         return "/".join(self.names)
 
 
@@ -64,13 +64,13 @@ class Mate:
     title: str
     entities: tuple[Entity, ...]
     limits: Mapping[str, float] | None
-    """By Onshape's own names [rad or m]; None if the server did not send any."""
+    """Limits by Onshape's names for them [rad or m]; None if the server did not send any."""
     limit_origin: LimitOrigin = AS_TYPED
-    """How they were read."""
+    """How the limits were read."""
 
     @property
     def key(self) -> tuple[Path, str, str]:
-        """Its identifier: (owner path, feature id, copied instance)."""
+        """The identifier of the mate: (owner path, feature id, copied instance)."""
         return self.ref.key
 
 
@@ -83,11 +83,11 @@ class MateRelation:
     title: str
     type: str
     mates: tuple[tuple[Path, str], ...]
-    """(owner path, feature id) of each; the second follows the first. A SCREW names a single mate."""
+    """Each mate's (owner path, feature id); the second mate follows the first. A SCREW has a single mate."""
     ratio: float
-    """Ratio of GEAR and LINEAR."""
+    """Ratio of a GEAR or LINEAR."""
     length: float
-    """Length a turn [m] of RACK_AND_PINION and SCREW."""
+    """Length for each turn [m] of a RACK_AND_PINION or SCREW."""
     reverse: bool
 
 
@@ -124,7 +124,7 @@ class Connector:
 
     @property
     def title(self) -> str:
-        """Names of its owner and its own, joined by "/"."""
+        """The names down to the connector, joined by "/"."""
         return "/".join((*self.names, self.name))
 
 
@@ -134,7 +134,7 @@ class Assembly:
 
     root: Record
     occurrences: Mapping[Path, Occurrence] = field(default_factory=dict)
-    """All but the root, whose path is ()."""
+    """All occurrences except the root assembly, whose path is ()."""
     mates: Sequence[Mate] = ()
     relations: Sequence[MateRelation] = ()
     groups: Sequence[MateGroup] = ()
@@ -162,7 +162,7 @@ class Assembly:
 
 
 def check_parts(assembly: Assembly, hint: str) -> None:
-    """Raises AssemblyError where there is no part at all."""
+    """Raises AssemblyError, with the hint, if the assembly has no part."""
     if not assembly.parts:
         msg = "the assembly has no parts"
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)

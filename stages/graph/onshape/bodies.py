@@ -19,7 +19,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.plural import count
 
 WORLD: Path = ()
-"""The assembly origin, as a node beside the occurrences."""
+"""The assembly's origin, as a node beside the occurrences."""
 
 MAX_LISTED = 6
 """Largest number of bodies of a sub-assembly that are listed by name."""
@@ -30,30 +30,29 @@ class Bodies:
     """The rigid bodies of an assembly."""
 
     of: dict[Path, int]
-    """Occurrence path → body, for parts, for sub-assemblies whose frame a body carries, and for the
-    assembly's origin, (), if it is a body."""
+    """Occurrence path → index of the body, for parts, for sub-assemblies whose frame a body carries, and for
+    the assembly's origin, (), if it is a body."""
     members: list[tuple[Path, ...]]
-    """Body → sorted paths of its parts; empty for an origin that no part is fixed to."""
+    """Sorted paths of each body's parts; empty for an origin to which no part is fixed."""
     world: int | None
-    """The body that is or holds the origin, if any."""
+    """Index of the body that has the assembly's origin; None if no body has it."""
     fixed_by: str
     """The part or mate that holds the origin; "" if `world` has no parts."""
     moving: list[Mate]
-    """Mates between bodies."""
+    """Mates between different bodies that can move."""
 
 
 def find_bodies(
     assembly: Assembly, keys: GraphSections, log: Diagnostics, welds: Sequence[tuple[Path, Path]] = ()
 ) -> Bodies:
-    """Merges occurrences that are rigidly connected, sub-assembly frames and `welds` included.
-
-    The frame of a sub-assembly moves with its parts where they are one body, else with the part
-    that is fixed inside it or fastened to its origin. A mate to a frame that no part carries is a
-    problem. Mates that move nothing are reported, except those that only `welds` make rigid.
+    """Merges occurrences that are rigidly connected, also the frames of sub-assemblies, and the pairs of
+    `welds`. The frame of a sub-assembly moves with its parts if they are one body, else with the part that is
+    fixed in it or fastened to its origin. Reports E-MATE-SUBASSEMBLY for a mate to a frame that no part
+    carries, and mates that move nothing, except those that only `welds` make rigid.
     """
     merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, log))
     merger.merge_drawn()
-    idle = {mate.key for mate in assembly.mates if merger.idles(mate)}
+    idle = {mate.key for mate in assembly.mates if merger.is_idle(mate)}
     merger.merge(welds)
     _report_uncarried(merger, log)
     bodies = merger.bodies()
@@ -63,7 +62,7 @@ def find_bodies(
 
 
 class _Merger:
-    """Occurrences and the origin, merged step by step. `stiff`: rigid sub-assemblies."""
+    """Merges the occurrences and the origin step by step. `stiff`: paths of rigid sub-assemblies."""
 
     def __init__(self, assembly: Assembly, stiff: frozenset[Path]) -> None:
         self.assembly, self.stiff = assembly, stiff
@@ -98,7 +97,7 @@ class _Merger:
             self.rigid.union(*group.members)
         self._carry_frames()
         for path in sorted((o.path for o in self.assembly.occurrences.values() if o.fixed), key=len):
-            if len(path) > 1 and self.loose(path[:-1]):
+            if len(path) > 1 and self.is_loose(path[:-1]):
                 self.rigid.union(path, path[:-1])
         self._carry_frames()
 
@@ -124,20 +123,21 @@ class _Merger:
                     loose_frames.append(path)
             if len(loose_frames) == len(waiting):
                 return
-            waiting = loose_frames[::-1]  # so that a chain which this order ran against is done in one go
+            waiting = loose_frames[::-1]  # a chain that this order ran against is then done in a single pass
 
-    def idles(self, mate: Mate) -> bool:
-        """Returns whether a mate that could move has both sides in one body."""
+    def is_idle(self, mate: Mate) -> bool:
+        """Tells whether a mate of a movable type has both sides in one body."""
         first, second = (self.rigid[entity.path] for entity in mate.entities)
         return mate.ref.type != "FASTENED" and bool(first == second)
 
-    def loose(self, path: Path) -> bool:
-        """Returns whether this is a sub-assembly whose frame none of its parts carries."""
+    def is_loose(self, path: Path) -> bool:
+        """Tells whether this is a sub-assembly whose frame none of its parts carries."""
         body = self.rigid[path]
         return path in self.leaves and all(self.rigid[leaf] != body for leaf in self.leaves[path])
 
     def bodies(self) -> Bodies:
-        """Returns the bodies as they are now, in the order of their parts; the origin without parts first."""
+        """Returns the bodies as merged so far, in the order of their parts; an origin without parts is
+        first."""
         groups: dict[Path, list[Path]] = {}
         for part in self.assembly.parts:
             groups.setdefault(self.rigid[part.path], []).append(part.path)
@@ -150,7 +150,7 @@ class _Merger:
         moving = [
             mate
             for mate in self.assembly.mates
-            if not self.idles(mate)
+            if not self.is_idle(mate)
             and mate.ref.type != "FASTENED"
             and all(entity.path in body_of for entity in mate.entities)  # else it is reported as a problem
         ]
@@ -170,30 +170,33 @@ class _Merger:
 def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
     """Reports each feature that holds a sub-assembly whose frame is fixed to none of its parts."""
     assembly, rigid = merger.assembly, merger.rigid
-    bodied = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
-    frames = {
+    body_nodes = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
+    uncarried_frames = {
         path: f"parts move against each other ({_first_parts(merger, path)}): it is "
         "ambiguous which of them the mate holds"
         for path in merger.leaves
-        if merger.loose(path) and not (path in merger.anchored and rigid[path] in bodied)
+        if merger.is_loose(path) and not (path in merger.anchored and rigid[path] in body_nodes)
     }
-    for path, why in sorted(frames.items()):
+    for path, reason in sorted(uncarried_frames.items()):
         occurrence = assembly.occurrences[path]
         if occurrence.fixed:
-            text, hint = f"the sub-assembly is fixed, but its {why}", "fix its base part instead"
+            text, hint = f"the sub-assembly is fixed, but its {reason}", "fix its base part instead"
             log.report(
                 "E-FIXED-SUBASSEMBLY", text, occurrence.title, f"{hint}, {_remedy(occurrence.names[-1])}"
             )
     holders = [(mate.title, [entity.path for entity in mate.entities]) for mate in assembly.mates]
     holders += [(group.title, list(group.members)) for group in assembly.groups]
     holders += [
-        (assembly.occurrences[path[:-1]].title, [path]) for path in frames if path[:-1] in merger.stiff
+        (assembly.occurrences[path[:-1]].title, [path])
+        for path in uncarried_frames
+        if path[:-1] in merger.stiff
     ]
     for title, paths in holders:
         for path in paths:
-            if path in frames:
+            if path in uncarried_frames:
                 occurrence = assembly.occurrences[path]
-                text = f"this holds the sub-assembly {occurrence.title} as a whole, but its {frames[path]}"
+                text = f"this holds the sub-assembly {occurrence.title} as a whole, "
+                text += f"but its {uncarried_frames[path]}"
                 hint = f"mate to a part inside it, {_remedy(occurrence.names[-1])}"
                 log.report("E-MATE-SUBASSEMBLY", text, title, hint)
 
@@ -213,7 +216,7 @@ def _first_parts(merger: _Merger, path: Path) -> str:
 
 def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None:
     """Reports mates that move nothing; those of rigid sub-assemblies are counted for the outermost."""
-    frozen: Counter[Path] = Counter()
+    rigid_counts: Counter[Path] = Counter()
     for mate in mates:
         path = mate.ref.owner
         if path not in merger.stiff:
@@ -224,8 +227,8 @@ def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> No
             continue
         while path[:-1] in merger.stiff:
             path = path[:-1]
-        frozen[path] += 1
-    for path, number in sorted(frozen.items()):
+        rigid_counts[path] += 1
+    for path, number in sorted(rigid_counts.items()):
         welded = path in merger.assembly.stiff
         text = f"the sub-assembly is rigid: {count(number, 'joint')} inside it cannot move"
         hint = "mirror: joints lets it move" if welded else "depth.flexible makes it flexible"
@@ -233,7 +236,8 @@ def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> No
 
 
 def _report_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostics) -> None:
-    """Reports mates between a mirrored and another instance: y of the mirrored frame is turned round."""
+    """Reports W-MIRROR for mates between a mirrored instance and one that is not: the y axis of the mirrored
+    frame is reversed, so that both are right-handed."""
     for mate in moving:
         hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}
         if len(hands) == 2:

@@ -1,4 +1,4 @@
-"""Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know."""
+"""Reads Onshape's assembly definition into an `Assembly`; unknown keys are ignored."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,7 +38,7 @@ from linkwright.stages.robot.model.robot import Array, MateRef, frozen
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _AssemblyContent:
-    """The parts of an assembly that are read so far."""
+    """The contents of an assembly that have been read so far."""
 
     occurrences: dict[Path, Occurrence] = field(default_factory=dict)
     mates: list[Mate] = field(default_factory=list)
@@ -69,7 +69,7 @@ def read_assembly(body: bytes) -> Assembly:
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
             owners.extend(_expand(content, path, names, record, occurrences, subs))
-    complete = replace(content, occurrences=without_empty(content.occurrences))
+    content_without_empty = replace(content, occurrences=without_empty(content.occurrences))
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
         with protocol_errors("list of features", "/".join(names)):
@@ -77,20 +77,20 @@ def read_assembly(body: bytes) -> Assembly:
             _check_ids(features)
         for feature in features:
             with protocol_errors("feature", "/".join((*names, feature["id"]))):
-                _read_feature(complete, path, names, feature)
+                _read_feature(content_without_empty, path, names, feature)
         with protocol_errors("pattern", "/".join(names)):
-            complete.patterns.extend(_read_patterns(path, names, record))
+            content_without_empty.patterns.extend(_read_patterns(path, names, record))
     assembly = Assembly(
         root=root,
-        occurrences=complete.occurrences,
-        mates=complete.mates,
-        relations=complete.relations,
-        groups=complete.groups,
-        connectors=complete.connectors,
-        patterns=complete.patterns,
+        occurrences=content_without_empty.occurrences,
+        mates=content_without_empty.mates,
+        relations=content_without_empty.relations,
+        groups=content_without_empty.groups,
+        connectors=content_without_empty.connectors,
+        patterns=content_without_empty.patterns,
         body_types=body_types,
         standard=frozenset(standard),
-        diagnostics=(*complete.log.problems, *complete.log.found),
+        diagnostics=(*content_without_empty.log.problems, *content_without_empty.log.found),
     )
     check_parts(assembly, "insert at least one part, or unsuppress an existing one")
     return assembly
@@ -186,7 +186,7 @@ def _read_feature(content: _AssemblyContent, owner: Path, names: tuple[str, ...]
     elif kind == "mateConnector":
         path = owner + id_path(data.get("occurrence"))
         if path and path not in content.occurrences:
-            return  # on a suppressed instance: as absent as the instance itself
+            return  # its instance is suppressed, or has no parts
         frame = _frame(data["mateConnectorCS"])
         content.connectors.append(Connector(owner, feature["id"], name, names, Entity(path, frame)))
     else:
@@ -205,8 +205,8 @@ def _read_mate(
         Entity(owner + id_path(e.get("matedOccurrence")), _frame(e["matedCS"]))
         for e in data["matedEntities"] or ()
     )
-    alive = len(entities) == 2 and all(not e.path or e.path in content.occurrences for e in entities)
-    if not alive:
+    has_both_sides = len(entities) == 2 and all(not e.path or e.path in content.occurrences for e in entities)
+    if not has_both_sides:
         content.log.report(
             "W-MATE-BROKEN",
             "the mate lacks one of its two sides (deleted or suppressed): left out",
@@ -230,9 +230,9 @@ def _read_mate(
 
 
 def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:
-    """Yields the patterns and mirrors of an assembly, by id: the copies of each seed.
-
-    Parametric instances are mirrors, unless their type, a text without a documented list, says otherwise.
+    """Yields the patterns and mirrors of an assembly, in the order of their ids.
+    Parametric instances count as mirrors unless their type contains "pattern" or "replicate": Onshape's
+    documentation does not list the types.
     """
     instances = [
         (pattern, False, list((pattern.get("seedToPatternInstances") or {}).items()))
@@ -260,10 +260,10 @@ def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Itera
         yield Pattern(owner, "/".join((*names, name)), copies, mirrors)
 
 
-def _frame(cs: Record) -> Array:
+def _frame(coordinate_system: Record) -> Array:
     """Returns a mate coordinate system {origin, xAxis, yAxis, zAxis} as occurrence_from_frame (4, 4)."""
     frame = np.eye(4)
     for column, key in enumerate(("xAxis", "yAxis", "zAxis", "origin")):
-        frame[:3, column] = numbers(cs[key], 3)
+        frame[:3, column] = numbers(coordinate_system[key], 3)
     check_rigid(frame)
     return frozen(frame)

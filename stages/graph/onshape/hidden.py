@@ -12,31 +12,34 @@ MAX_LISTED = 10
 
 def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
     """Returns the assembly without its hidden instances, all below them, and the features that name any of
-    them.
-
-    Raises AssemblyError where no part is left.
+    them. Reports I-HIDDEN.
+    Raises AssemblyError if no part is left.
     """
     hidden = sorted((o for o in assembly.occurrences.values() if o.hidden), key=lambda o: o.path)
-    gone = {occurrence.path for occurrence in hidden}
-    if not gone:
+    hidden_paths = {occurrence.path for occurrence in hidden}
+    if not hidden_paths:
         return assembly
 
     def stays(path: Path) -> bool:
-        return not any(path[:depth] in gone for depth in range(1, len(path) + 1))
+        return not any(path[:depth] in hidden_paths for depth in range(1, len(path) + 1))
 
     occurrences = without_empty({p: o for p, o in assembly.occurrences.items() if stays(p)})
-    present = {(), *occurrences}
+    remaining_paths = {(), *occurrences}
     visible = replace(
         assembly,
         occurrences=occurrences,
-        mates=[mate for mate in assembly.mates if all(side.path in present for side in mate.entities)],
-        relations=[relation for relation in assembly.relations if relation.owner in present],
+        mates=[
+            mate for mate in assembly.mates if all(side.path in remaining_paths for side in mate.entities)
+        ],
+        relations=[relation for relation in assembly.relations if relation.owner in remaining_paths],
         groups=[
-            replace(group, members=tuple(member for member in group.members if member in present))
+            replace(group, members=tuple(member for member in group.members if member in remaining_paths))
             for group in assembly.groups
         ],
-        connectors=[connector for connector in assembly.connectors if connector.entity.path in present],
-        patterns=[pattern for pattern in assembly.patterns if pattern.owner in present],
+        connectors=[
+            connector for connector in assembly.connectors if connector.entity.path in remaining_paths
+        ],
+        patterns=[pattern for pattern in assembly.patterns if pattern.owner in remaining_paths],
     )
     check_parts(visible, "show a part of it, or set hidden: keep")
     titles = [o.title for o in hidden if stays(o.path[:-1])]

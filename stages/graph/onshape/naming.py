@@ -1,8 +1,8 @@
 """Names links, joints and frames after what the designer typed.
 
-A link is named by its `link_` connector, else by the sub-assembly that it is, else by its part
-with the most mates to other links (ties: by volume, then by name). Names do not depend on the
-root nor on the order of anything, and adding a screw to a link leaves them alone.
+A link is named by its `link_` connector, else by the sub-assembly of which it consists, else by its part with
+the most mates to other links (ties: by volume, then by name). Names do not depend on the root or on the order
+of anything, and a screw that is added to a link does not change them.
 """
 
 from collections import Counter
@@ -26,7 +26,8 @@ MAIN_SHARE = 0.9
 
 @dataclass(frozen=True, slots=True)
 class AssemblyNames:
-    """Link names and naming occurrences by body, joint names by `MateRef.key`, frames by (owner, id)."""
+    """The name of each body's link, and the path of the occurrence after which it is named; names of joints
+    by `MateRef.key`; names of frames by (owner path, feature id)."""
 
     links: tuple[str, ...]
     paths: tuple[Path, ...]
@@ -69,12 +70,12 @@ def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, fl
 
 
 def is_link_name(connector: Connector) -> bool:
-    """Returns whether a mate connector names a link: by `link_` and a usable name."""
+    """Tells whether a mate connector names a link: by `link_` and a usable name."""
     return connector.name.lower().startswith(LINK_PREFIX) and bool(legal(connector.name[len(LINK_PREFIX) :]))
 
 
 def _key(path: Path) -> str:
-    # Ids hold no space, so the joined text sorts and compares as the path does.
+    # Ids contain no space, so that the joined text sorts and compares as the path does.
     return " ".join(path)
 
 
@@ -90,34 +91,36 @@ def _feature_names(
 ) -> dict[Key, str]:
     """Returns a name for each feature from its words; neither the name nor what `parts` makes of it is in
     `taken_names`."""
-    texts = {repr(key): key for key in features}
-    unique = shortest_unique({text: features[key] for text, key in texts.items()})
+    key_of_text = {repr(key): key for key in features}
+    unique = shortest_unique({text: features[key] for text, key in key_of_text.items()})
     # A joint called like a link gets a word rather than a number ("elbow" → "elbow_joint").
     taken_names = set(taken_names)
     names = {}
     for text in sorted(unique, key=lambda text: (unique[text], text)):
-        key, name = texts[text], unique[text]
+        key, name = key_of_text[text], unique[text]
         if name in taken_names:
             name += suffix
-        tried = (name if number == 1 else f"{name}_{number}" for number in count(1))
+        candidates = (name if number == 1 else f"{name}_{number}" for number in count(1))
         names[key] = next(
-            candidate for candidate in tried if taken_names.isdisjoint((candidate, *parts(key, candidate)))
+            candidate
+            for candidate in candidates
+            if taken_names.isdisjoint((candidate, *parts(key, candidate)))
         )
         taken_names.update((names[key], *parts(key, names[key])))
     return names
 
 
 def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> list[Path]:
-    """Returns the occurrence that names each body; the empty path where it has no parts."""
+    """Returns the path of the occurrence after which each body is named; () for a body without parts."""
     mates = Counter(entity.path for mate in bodies.moving for entity in mate.entities)
-    inside: dict[Path, set[int]] = {}
-    filled: dict[Path, float] = {}
+    bodies_of_path: dict[Path, set[int]] = {}
+    volume_of_path: dict[Path, float] = {}
     for part in assembly.parts:
         for depth in range(1, len(part.path)):
-            inside.setdefault(part.path[:depth], set()).add(bodies.of[part.path])
-            filled[part.path[:depth]] = filled.get(part.path[:depth], 0.0) + volume[part.path]
+            bodies_of_path.setdefault(part.path[:depth], set()).add(bodies.of[part.path])
+            volume_of_path[part.path[:depth]] = volume_of_path.get(part.path[:depth], 0.0) + volume[part.path]
     paths_by_body: dict[int, list[Path]] = {}
-    for path, bodies_inside in inside.items():
+    for path, bodies_inside in bodies_of_path.items():
         if len(bodies_inside) == 1:
             paths_by_body.setdefault(next(iter(bodies_inside)), []).append(path)
     naming_paths: list[Path] = []
@@ -126,7 +129,9 @@ def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, floa
             naming_paths.append(())
             continue
         total = sum(volume[path] for path in members)
-        candidates = [path for path in paths_by_body.get(body, ()) if filled[path] >= MAIN_SHARE * total]
+        candidates = [
+            path for path in paths_by_body.get(body, ()) if volume_of_path[path] >= MAIN_SHARE * total
+        ]
         if candidates and len(members) > 1:
             naming_paths.append(
                 min(candidates, key=lambda path: (len(path), assembly.occurrences[path].names))

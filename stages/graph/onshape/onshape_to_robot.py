@@ -3,8 +3,8 @@
 There a mate is a joint because of its name: `dof_NAME`, with `_inv` for the opposite direction and `wheel` or
 `continuous` for no limits; `closing_NAME` closes a loop, `frame_NAME` marks a frame, `fix_NAME` and FASTENED
 mates without a prefix weld, and any other mate is ignored. Only the root assembly's features count, and each
-of its instances is rigid. After the code of its release 1.8.3; what that does by accident (undeclared loops,
-relations of inverted mates) is not reproduced.
+of its instances is rigid. The rules are those of the code of release 1.8.3; what that does by accident
+(undeclared loops, relations of inverted mates) is not copied here.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -38,25 +38,27 @@ from linkwright.stages.robot.text.names import legal, legal_or_unnamed
 AnySection = TypeVar("AnySection", bound=Section)
 
 
-def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tuple[Assembly, GraphSections]:
+def translate_names(
+    assembly: Assembly, keys: GraphSections, log: Diagnostics
+) -> tuple[Assembly, GraphSections]:
     """Returns the assembly with plain names, and the keys that replace the conventions.
 
     It is called once limits are known, before anything is copied or merged. The root is the first instance,
     unless `root` chooses another, and is fixed where one of its occurrences is; links are called after their
     first instance; q counts from the saved pose.
     """
-    meant = _by_meaning(assembly, log)
-    links = _links(assembly, meant)
-    markers = _markers(assembly, meant, log)
+    mates_by_meaning = _by_meaning(assembly, log)
+    links = _links(assembly, mates_by_meaning)
+    markers = _markers(assembly, mates_by_meaning, log)
     assembly = _without_instances(assembly, {marker.instance for marker in markers})
-    names = _link_names(assembly, links, meant[DOF])
+    names = _link_names(assembly, links, mates_by_meaning[DOF])
     first = links[_instances(assembly)[0]]
     if keys.root.select == "auto" and keys.root.frame is None:
         keys = _with_values(keys, root=_with_values(keys.root, select=exact_glob(names[first])))
         assembly = _with_fixed_root(assembly, links, first, log)
     if keys.depth.max is None:
         keys = _with_values(keys, depth=_with_values(keys.depth, max=0))
-    closings = [exact_glob(mate.title) for mate in meant[CLOSING]]
+    closings = [exact_glob(mate.title) for mate in mates_by_meaning[CLOSING]]
     keys = _with_values(keys, zero="saved", loops=_with_values(keys.loops, cut=(*keys.loops.cut, *closings)))
     log.report(
         "I-PEER",
@@ -64,18 +66,20 @@ def translated(assembly: Assembly, keys: GraphSections, log: Diagnostics) -> tup
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [joint for mate in meant[DOF] if (joint := dof_mate(mate, assembly, log)) is not None]
-    closed = [
+    joints = [joint for mate in mates_by_meaning[DOF] if (joint := dof_mate(mate, assembly, log)) is not None]
+    loop_mates = [
         replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
-        for mate in meant[CLOSING]
-        if _present(mate, assembly)
+        for mate in mates_by_meaning[CLOSING]
+        if _has_both_sides(mate, assembly)
     ]
-    welds = [replace(mate, ref=replace(mate.ref, type="FASTENED")) for mate in meant[FIX]]
-    inverted = {(mate.ref.owner, mate.ref.feature) for mate in meant[DOF] if joint_words(mate).inverted}
+    welds = [replace(mate, ref=replace(mate.ref, type="FASTENED")) for mate in mates_by_meaning[FIX]]
+    inverted_mates = {
+        (mate.ref.owner, mate.ref.feature) for mate in mates_by_meaning[DOF] if joint_words(mate).inverted
+    }
     return replace(
         assembly,
-        mates=[*joints, *closed, *welds, *(mate for mate in assembly.mates if mate.ref.owner)],
-        relations=[with_inverted_mates(relation, inverted) for relation in assembly.relations],
+        mates=[*joints, *loop_mates, *welds, *(mate for mate in assembly.mates if mate.ref.owner)],
+        relations=[with_inverted_mates(relation, inverted_mates) for relation in assembly.relations],
         connectors=[
             *(marker.connector for marker in markers),
             *_connectors(assembly),
@@ -99,38 +103,40 @@ class _Marker:
 def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
     """Returns the root assembly's mates by the meaning of their names. Reports W-PEER-MATE for ignored
     mates."""
-    meant: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
-    origin, idle, inside = [], [], []
+    mates_by_meaning: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
+    origin_titles, plain_titles, inner_titles = [], [], []
     for mate in assembly.mates:
-        prefix = next((known_prefix for known_prefix in meant if mate.ref.name.startswith(known_prefix)), "")
+        prefix = next(
+            (known_prefix for known_prefix in mates_by_meaning if mate.ref.name.startswith(known_prefix)), ""
+        )
         if mate.ref.owner:
-            inside += [mate.title] if prefix in (DOF, CLOSING) else []
+            inner_titles += [mate.title] if prefix in (DOF, CLOSING) else []
         elif not all(entity.path for entity in mate.entities):
-            origin.append(mate.title)
+            origin_titles.append(mate.title)
         elif prefix or mate.ref.type == "FASTENED":
-            meant[prefix or FIX].append(mate)
+            mates_by_meaning[prefix or FIX].append(mate)
         else:
-            idle.append(mate.title)
+            plain_titles.append(mate.title)
     for titles, message, hint in (
         (
-            origin,
+            origin_titles,
             "mates to the assembly's origin are ignored, as by onshape-to-robot",
             "fix the part instead, or set root.base: fixed",
         ),
         (
-            idle,
+            plain_titles,
             "mates without a prefix are ignored, as by onshape-to-robot",
             "call it dof_NAME for a joint, or fix_NAME for a weld",
         ),
         (
-            inside,
+            inner_titles,
             "mates inside a sub-assembly are ignored, as by onshape-to-robot: it is rigid",
             "name it in depth.flexible, or set conventions: linkwright",
         ),
     ):
         if titles:
             log.report("W-PEER-MATE", f"{message}: {name_list(titles)}", titles[0], hint)
-    return meant
+    return mates_by_meaning
 
 
 def _instances(assembly: Assembly) -> list[Path]:
@@ -138,24 +144,24 @@ def _instances(assembly: Assembly) -> list[Path]:
     return [path for path in assembly.occurrences if len(path) == 1]
 
 
-def _links(assembly: Assembly, meant: Mapping[str, Sequence[Mate]]) -> dict[Path, Path]:
+def _links(assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]]) -> dict[Path, Path]:
     """Returns each instance's link: the first, in the root assembly's order, of those welded with it."""
     welded = nx.Graph()
     instances = _instances(assembly)
     welded.add_nodes_from(instances)
-    welded.add_edges_from(_sides(mate) for mate in meant[FIX])
+    welded.add_edges_from(_sides(mate) for mate in mates_by_meaning[FIX])
     for group in assembly.groups:
         if not group.owner:
             nx.add_path(welded, [path[:1] for path in group.members])
     order = {path: number for number, path in enumerate(instances)}
     return {
-        path: min(together, key=order.__getitem__)
-        for together in nx.connected_components(welded)
-        for path in together
+        path: min(welded_instances, key=order.__getitem__)
+        for welded_instances in nx.connected_components(welded)
+        for path in welded_instances
     }
 
 
-def _present(mate: Mate, assembly: Assembly) -> bool:
+def _has_both_sides(mate: Mate, assembly: Assembly) -> bool:
     return all(entity.path in assembly.occurrences for entity in mate.entities)
 
 
@@ -165,16 +171,20 @@ def _sides(mate: Mate) -> tuple[Path, Path]:
     return first, second
 
 
-def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagnostics) -> list[_Marker]:
+def _markers(
+    assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]], log: Diagnostics
+) -> list[_Marker]:
     """Returns the frames that `frame_` mates mark: each that of an instance that nothing else holds, on its
     carrier."""
     held_instances = {_instances(assembly)[0]}
-    held_instances.update(side for kind in (DOF, FIX) for mate in meant[kind] for side in _sides(mate))
+    held_instances.update(
+        side for kind in (DOF, FIX) for mate in mates_by_meaning[kind] for side in _sides(mate)
+    )
     held_instances.update(
         path[:1] for group in assembly.groups for path in group.members if len(group.members) > 1
     )
     markers = []
-    for mate in meant[FRAME]:
+    for mate in mates_by_meaning[FRAME]:
         loose = [entity for entity in mate.entities if entity.path[:1] not in held_instances]
         if len(loose) != 1:
             message = "a frame_ mate joins a link and a part that only marks the frame: "
@@ -200,11 +210,11 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
     return markers
 
 
-def _without_instances(assembly: Assembly, gone: Collection[Path]) -> Assembly:
+def _without_instances(assembly: Assembly, removed_instances: Collection[Path]) -> Assembly:
     """Returns the assembly without some of its instances, and without the features that refer to them."""
 
     def stays(path: Path) -> bool:
-        return path[:1] not in gone
+        return path[:1] not in removed_instances
 
     return replace(
         assembly,
@@ -229,21 +239,21 @@ def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence
     """Returns the name of each link: by its `link_` connector, else after its first instance, numbered in the
     order of the joints from the root."""
     connector_names = _link_titles(assembly, links)
-    around: dict[Path, list[Path]] = {links[path]: [] for path in _instances(assembly)}
+    neighbours: dict[Path, list[Path]] = {links[path]: [] for path in _instances(assembly)}
     for mate in joints:
         first, second = (links[side] for side in _sides(mate))
-        around[first].append(second)
-        around[second].append(first)
+        neighbours[first].append(second)
+        neighbours[second].append(first)
     # Names are unique over joints and links here, and joints, which others refer to, keep theirs.
     taken_names = {legal("_".join(joint_words(mate).words)) for mate in joints}
     names: dict[Path, str] = {}
     counts: dict[str, int] = {}
-    waiting = list(reversed(around))
+    waiting = list(reversed(neighbours))
     while waiting:
         link = waiting.pop()
         if link in names:
             continue
-        waiting.extend(reversed(around[link]))
+        waiting.extend(reversed(neighbours[link]))
         if link in connector_names:
             names[link] = connector_names[link]
             continue

@@ -22,9 +22,9 @@ from linkwright.stages.graph.onshape.mass.part_mass import SHEET, Weight, part_k
 from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of, right_handed
 from linkwright.stages.graph.onshape.mates.limits import with_limits
-from linkwright.stages.graph.onshape.mates.parallel import Absorbed, MateKey, combined
+from linkwright.stages.graph.onshape.mates.parallel import Absorbed, MateKey, combine_mates
 from linkwright.stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
-from linkwright.stages.graph.onshape.onshape_to_robot import translated
+from linkwright.stages.graph.onshape.onshape_to_robot import translate_names
 from linkwright.stages.graph.onshape.patterns.instances import with_copies
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.bundle import OnshapeBundle
@@ -41,9 +41,8 @@ Weights = Mapping[Path, Weight]
 def read_mechanism(
     bundle: OnshapeBundle, keys: GraphSections, log: Diagnostics
 ) -> tuple[Mechanism, GraphSections]:
-    """Reads an assembly definition and its other replies; raises AssemblyError where they cannot be read.
-
-    Also returns the keys, completed by the document's own conventions.
+    """Reads an assembly definition and the other replies of its bundle; raises AssemblyError if they cannot
+    be read. Also returns the keys, completed by the conventions of the document.
     """
     assembly = read_assembly(bundle.body(bundle.definition))
     log.add(assembly.diagnostics)
@@ -51,7 +50,7 @@ def read_mechanism(
         assembly = without_hidden(assembly, log)
     assembly = with_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
-        assembly, keys = translated(assembly, keys, log)
+        assembly, keys = translate_names(assembly, keys, log)
     assembly = with_copies(assembly, keys, PartSolids(assembly, bundle), log)
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, log)
@@ -88,14 +87,14 @@ def _combined_bodies(
     other mates replace."""
     welds: list[tuple[Path, Path]] = []
     while True:
-        about_bodies, about_mates = Diagnostics(optional=log.optional), Diagnostics()
-        bodies = find_bodies(assembly, keys, about_bodies, welds)
-        result = combined(bodies.moving, assembly, bodies.of, about_mates)
+        body_log, mate_log = Diagnostics(optional=log.optional), Diagnostics()
+        bodies = find_bodies(assembly, keys, body_log, welds)
+        result = combine_mates(bodies.moving, assembly, bodies.of, mate_log)
         if not result.welds:
-            log.add([*about_bodies.problems, *about_bodies.found, *about_mates.problems, *about_mates.found])
+            log.add([*body_log.problems, *body_log.found, *mate_log.problems, *mate_log.found])
             return replace(bodies, moving=list(result.mates)), result.absorbed
         welds += result.welds
-        log.add([*about_mates.problems, *about_mates.found])
+        log.add([*mate_log.problems, *mate_log.found])
 
 
 def _bodies(
@@ -142,14 +141,14 @@ def _connection(mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyN
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
     relative = inverse(second) @ first
     dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored, mate.limit_origin)
-    explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
+    second_from_first = chain(dofs, {dof.name: dof.saved for dof in dofs})
     return Connection(
         name=name,
         type=JOINT_TYPES[mate.ref.type],
         bodies=(bodies.of[mate.entities[0].path], bodies.of[mate.entities[1].path]),
         world_from_frames=(frozen(first), frozen(second)),
         dofs=dofs,
-        residual=residual(relative, explained),
+        residual=residual(relative, second_from_first),
         ref=mate.ref,
         title=mate.title,
     )
@@ -158,31 +157,32 @@ def _connection(mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyN
 def _relations(
     assembly: Assembly, connections: tuple[Connection, ...], absorbed: Mapping[MateKey, Absorbed]
 ) -> Iterator[RelationSpec]:
-    """Yields the relations; a relation on an absorbed mate is on the mate that replaces it. Relations whose
-    mates all move nothing (W-MATE-RIGID) are left out."""
+    """Yields the relations; a relation of an absorbed mate becomes one of the mate that replaces it.
+    Relations are left out if none of their mates moves anything (W-MATE-RIGID)."""
     connection_names = {connection.ref.key: connection.name for connection in connections}
     names_by_key = {key: (name, 1) for key, name in connection_names.items()}
     names_by_key |= {
         key: (connection_names[mate.by] if mate.sign else "", mate.sign) for key, mate in absorbed.items()
     }
-    still = {mate.key for mate in assembly.mates} - names_by_key.keys()
+    idle_mates = {mate.key for mate in assembly.mates} - names_by_key.keys()
     for relation in sorted(assembly.relations, key=lambda r: (r.title, r.owner, r.feature)):
-        if relation.mates and all((*mate, "") in still for mate in relation.mates):
+        if relation.mates and all((*mate, "") in idle_mates for mate in relation.mates):
             continue
-        ends = [names_by_key.get((*mate, ""), ("", 0)) for mate in relation.mates]
-        against = sum(sign < 0 for _, sign in ends) % 2 == 1
+        name_signs = [names_by_key.get((*mate, ""), ("", 0)) for mate in relation.mates]
+        is_inverted = sum(sign < 0 for _, sign in name_signs) % 2 == 1
         yield RelationSpec(
             title=relation.title,
             type=relation.type,
-            connections=tuple(name for name, _ in ends),
+            connections=tuple(name for name, _ in name_signs),
             ratio=relation.ratio,
             length=relation.length,
-            reverse=relation.reverse != against,
+            reverse=relation.reverse != is_inverted,
         )
 
 
 def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> Iterator[Marker]:
-    """Yields mate connectors that the designer placed, on their bodies."""
+    """Yields a marker for each mate connector that the designer placed on a part; reports W-FRAME for others,
+    and for left-handed connectors."""
     for connector in assembly.connectors:
         if is_link_name(connector):
             continue
@@ -212,7 +212,7 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
         if "unnamed" in name and not legal(text):
             message = f"{text!r} has no letter or digit that a robot file allows: {name!r} is used"
             log.report("W-NAME", message, name, "give it a name with letters or digits")
-    names_by_number: dict[int, str] = {}
+    names_of_bodies: dict[int, str] = {}
     for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
         if not is_link_name(connector):
             continue
@@ -223,6 +223,6 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
         elif not bodies.members[body]:
             message = f"the connector names no link: the assembly's origin is always called {WORLD_LINK!r}"
             log.report("W-NAME", message, connector.title, "put it on a part of the link")
-        elif names_by_number.setdefault(body, connector.title) != connector.title:
-            message = f"the link already has the name of {names_by_number[body]}"
+        elif names_of_bodies.setdefault(body, connector.title) != connector.title:
+            message = f"the link already has the name of {names_of_bodies[body]}"
             log.report("W-NAME", message, connector.title, "remove one of the two connectors")

@@ -13,7 +13,8 @@ from linkwright.stages.robot.model.robot import Array
 
 @contextmanager
 def protocol_errors(subject: str, where: str) -> Iterator[None]:
-    """Turns errors that an unexpected format causes into a ProtocolError that names the place."""
+    """Raises a ProtocolError that names the place `where` for errors that an unexpected format causes.
+    `subject`: the part of a reply that is read."""
     try:
         yield
     except (LookupError, TypeError, ValueError, AttributeError) as error:
@@ -31,7 +32,7 @@ def numbers(values: Any, count: int) -> Array:
 
 
 def number(value: Any) -> float:
-    """Returns a finite number; raises ValueError or TypeError."""
+    """Returns the value as a float; raises ValueError or TypeError unless it is a finite number."""
     if isinstance(value, bool) or not math.isfinite(value):
         msg = f"expected a finite number, got {value!r:.80}"
         raise ValueError(msg)
@@ -39,7 +40,7 @@ def number(value: Any) -> float:
 
 
 def text(value: Any) -> str:
-    """Returns a string that is not empty; raises TypeError."""
+    """Returns the value; raises TypeError unless it is a string that is not empty."""
     if not isinstance(value, str) or not value:
         msg = f"expected a name, got {value!r:.80}"
         raise TypeError(msg)

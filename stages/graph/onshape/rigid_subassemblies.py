@@ -24,7 +24,7 @@ def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostic
         for where, globs in (("depth.rigid", depth.rigid), ("depth.flexible", depth.flexible))
     )
     paths: set[Path] = set()
-    for path in (sub.path for sub in subs):  # sorted: the parent comes first
+    for path in (sub.path for sub in subs):  # sorted, so that a parent comes before its children
         if path in flexible:
             continue
         too_deep = depth.max is not None and len(path) > depth.max
@@ -36,14 +36,14 @@ def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostic
 def _matching_subs(
     subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Diagnostics
 ) -> set[Path]:
-    rigid: set[Path] = set()
+    matching_paths: set[Path] = set()
     for glob in globs:
-        fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
-        if not fits:
+        matches = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
+        if not matches:
             hint = no_match_hint(glob, {"sub-assemblies": [sub.title for sub in subs]})
             log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, hint, glob)
-        rigid |= fits
-    return rigid
+        matching_paths |= matches
+    return matching_paths
 
 
 def _texts(sub: Occurrence, glob: str) -> tuple[str, ...]:

@@ -6,32 +6,32 @@ from dataclasses import replace
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
 from linkwright.stages.formats.urdf.transmissions import with_joints
 from linkwright.stages.graph.mechanism import Mechanism
-from linkwright.stages.graph.passes.recount_actuators import recounted
+from linkwright.stages.graph.passes.recount_actuators import recount_actuator
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Robot, Sensor, Transmission
 from linkwright.stages.robot.text.globs import name_list
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
-    """Returns the robot with the mechanism's transmissions and controls, as far as their joints are still
-    there."""
-    counts = {dof.name: dof.in_mate for dof in robot.dofs}
-    controls = tuple(with_counts(text, counts) for text in _controls(mechanism, robot, log))
+    """Returns the robot with the mechanism's transmissions, controls, actuators and sensors, as far as their
+    objects are still in the robot."""
+    mate_values = {dof.name: dof.in_mate for dof in robot.dofs}
+    controls = tuple(with_counts(text, mate_values) for text in _controls(mechanism, robot, log))
     return replace(
         robot,
         transmissions=_transmissions(mechanism, robot),
         controls=controls,
         actuators=tuple(
-            recounted(actuator, counts[actuator.dof])
+            recount_actuator(actuator, mate_values[actuator.dof])
             for actuator in mechanism.actuators
-            if actuator.dof in counts
+            if actuator.dof in mate_values
         ),
         sensors=tuple(sensor for sensor in mechanism.sensors if _has_objects(robot, sensor)),
     )
 
 
 def _has_objects(robot: Robot, sensor: Sensor) -> bool:
-    """Returns whether the robot has the objects of a sensor; actuators, which the export may change, are not
+    """Tells whether the robot has the objects of a sensor; actuators, which the export may change, are not
     checked."""
     names = {
         "joint": {dof.name for dof in robot.dofs},
@@ -53,17 +53,16 @@ def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ..
 
 
 def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str, ...]:
-    """Returns the control elements, under present names. Reports W-URDF-CONTROL for a joint that is gone, or
-    that is several joints in a URDF."""
+    """Returns the control elements with the joints' present names. Reports W-URDF-CONTROL for a joint that
+    the robot no longer has, or that is several joints in a URDF."""
     names = {joint.mate.name: joint.name for joint in robot.joints if joint.mate and len(joint.dofs) < 2}
     controls = []
     for text in mechanism.controls:
-        changed, lost = with_joints(text, names)
-        controls += [changed] if changed else []
-        if lost:
-            message = (
-                f"a <transmission> or <ros2_control> names {name_list(lost)}, which the robot does not have"
-            )
+        renamed_text, lost_joints = with_joints(text, names)
+        controls += [renamed_text] if renamed_text else []
+        if lost_joints:
+            message = f"a <transmission> or <ros2_control> names {name_list(lost_joints)}, "
+            message += "which the robot does not have"
             hint = "name a joint of the robot, or remove it"
-            log.report("W-URDF-CONTROL", f"{message}: left out", name_list(lost), hint)
+            log.report("W-URDF-CONTROL", f"{message}: left out", name_list(lost_joints), hint)
     return tuple(controls)

@@ -21,9 +21,9 @@ def with_keyframes(
     log: Diagnostics,
     source_keyframes: Sequence[Keyframe] = (),
 ) -> Robot:
-    """Returns the robot with the source's and the user's keyframes. If several globs match a dof, the last
-    glob counts; if none matches, the source's value stays. None in place of values removes the source's
-    keyframe.
+    """Returns the robot with the keyframes of the source and of the configuration (`entries`: name → glob →
+    value). If several globs match a dof, the last glob counts; if none matches, the source's value stays.
+    None in place of values removes the source's keyframe.
 
     Reports E-GLOB for a glob that matches no dof; E-KEYFRAME for a dof that is neither a turn nor a slide,
     for a value that is outside its limits or contradicts a relation, for values that leave a loop open, and
@@ -35,21 +35,22 @@ def with_keyframes(
     _check_left_out(left_out, [keyframe.name for keyframe in source_keyframes], log)
     source_keyframes = [keyframe for keyframe in source_keyframes if keyframe.name not in left_out]
     source_poses = source_values(robot, source_keyframes, poses, log)
-    with_values = [
+    new_keyframes = [
         _keyframe(robot, name, poses.get(name, {}), source_poses.get(name, {}), log)
         for name in dict.fromkeys((*source_poses, *poses))
     ]
     if log.problems:
         return robot
-    with_poses = replace(robot, keyframes=tuple(with_values))
-    _check_loops(with_poses, poses, source_poses, log)
-    return with_poses
+    posed_robot = replace(robot, keyframes=tuple(new_keyframes))
+    _check_loops(posed_robot, poses, source_poses, log)
+    return posed_robot
 
 
 def _keyframe(
     robot: Robot, name: str, entries: Mapping[str, float], source_pose: Mapping[str, float], log: Diagnostics
 ) -> Keyframe:
-    """Makes a keyframe of the user's values. `source_pose`: the source's values, by dof; the user's win."""
+    """Makes a keyframe of the source's values (`source_pose`, by dof), overridden by the user's (`entries`,
+    by glob)."""
     where = f"keyframes.{name}"
     if name == SAVED:
         log.report("E-KEYFRAME", f"{SAVED} is the pose that was saved in CAD", where, "choose another name")
@@ -101,7 +102,8 @@ def _check_limits(robot: Robot, values: Mapping[str, float], where: str, log: Di
 def _with_drivers(
     robot: Robot, values: Mapping[str, float], where: str, log: Diagnostics
 ) -> dict[str, float]:
-    """Returns the values in the order of the dofs, with each follower's value turned into its driver's."""
+    """Returns the values in the order of the dofs, in which a follower's value is replaced by the value of
+    its driver that gives it."""
     complete = dict(values)
     for relation in robot.relations:
         driver, follower = relation.driver, relation.follower

@@ -18,7 +18,7 @@ from linkwright.stages.robot.dynamics.inertia import (
     tensor,
 )
 from linkwright.stages.robot.model.robot import Inertial, Link, Robot, frozen
-from linkwright.stages.robot.text.globs import name_list, yaml_key
+from linkwright.stages.robot.text.globs import yaml_key, name_list
 
 _CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
 _LARGER = "check the units of the document, or FASTEN the link to a larger one"
@@ -50,9 +50,9 @@ def _with_mass(link: Link, section: LinkMassSection, log: Diagnostics) -> Link:
     if link.name == WORLD_LINK:
         return link
     mass = link.inertial.mass if section.mass is None else section.mass
-    lacks = [name for name in ("mass", "com", "inertia") if getattr(section, name) is None]
-    if link.inertial.mass == 0 and lacks:
-        text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
+    missing_keys = [name for name in ("mass", "com", "inertia") if getattr(section, name) is None]
+    if link.inertial.mass == 0 and missing_keys:
+        text = f"the link has no mass of its own: {' and '.join(missing_keys)} must be given too"
         log.report("E-MASS", text, link.name, f"mass: {{links: {{{yaml_key(link.name)}: {{mass: ...}}}}}}")
         return link
     sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
@@ -72,11 +72,11 @@ def check_links(robot: Robot, log: Diagnostics, from_cad: bool = True) -> None:
     _check_masses(robot, log, from_cad)
     # Parts of a kind share an inertial, which is checked once.
     inertials = {id(part.inertial): part.inertial for link in robot.links for part in link.parts}
-    impossible = {
+    impossible_ids = {
         key for key, inertial in inertials.items() if inertial.mass > 0 and not is_physical(inertial)
     }
-    _check_link_inertias(robot, impossible, log, from_cad)
-    _check_part_inertias(robot, impossible, log)
+    _check_link_inertias(robot, impossible_ids, log, from_cad)
+    _check_part_inertias(robot, impossible_ids, log)
 
 
 def _check_masses(robot: Robot, log: Diagnostics, from_cad: bool) -> None:
@@ -123,28 +123,31 @@ def _check_part_inertias(robot: Robot, impossible: Collection[int], log: Diagnos
 
 
 def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
-    """Raises the mass and the inertia of each link to MuJoCo's minimum (W-INERTIA-LEAST). Links of a robot
-    that is a few millimetres long have less."""
+    """Raises the mass and the inertia of each link to MuJoCo's minimum (W-INERTIA-LEAST), below which the
+    links of a robot of a few millimetres are."""
     links = []
     for link in robot.links:
         inertial = link.inertial
-        enlarged = inertial if inertial.mass <= 0 or not is_physical(inertial) else large_enough(inertial)
-        if enlarged is not inertial:
-            old, new = (_weight(weighed) for weighed in (inertial, enlarged))
+        enlarged_inertial = (
+            inertial if inertial.mass <= 0 or not is_physical(inertial) else large_enough(inertial)
+        )
+        if enlarged_inertial is not inertial:
+            old, new = (_mass_and_moments(body_inertial) for body_inertial in (inertial, enlarged_inertial))
             text = f"below MuJoCo's minimum mass or inertia of a body ({old}): the minimum was used ({new})"
             log.report("W-INERTIA-LEAST", text, link.name, _LARGER)
-            link = replace(link, inertial=enlarged, given=enlarged)
+            link = replace(link, inertial=enlarged_inertial, given=enlarged_inertial)
         links.append(link)
     return replace(robot, links=tuple(links))
 
 
-def _weight(inertial: Inertial) -> str:
+def _mass_and_moments(inertial: Inertial) -> str:
     moments = ", ".join(f"{moment:.4g}" for moment in principal(inertial.inertia))
     return f"{inertial.mass:.4g} kg, {moments} kg m²"
 
 
 def _moving_without_mass(robot: Robot) -> list[Link]:
-    """Returns the first link of each group of links that move together and weigh nothing."""
+    """Returns the first link of each group of links that fixed joints hold together, that moves and has no
+    mass."""
     rigid = nx.utils.UnionFind([link.name for link in robot.links])
     for joint in robot.joints:
         if joint.type == "fixed":

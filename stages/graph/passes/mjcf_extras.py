@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Dof, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 
-_GIVEN = {
+_ATTRIBUTE_PREFIXES = {
     "damping": "damping",
     "friction": "frictionloss",
     "armature": "armature",
@@ -31,12 +31,12 @@ def with_bodies(robot: Robot, mechanism: Mechanism) -> Robot:
     poses = link_poses(robot, saved_configuration(robot))
     world_from_bodies = {body.name: body.world_from_body for body in mechanism.bodies}
 
-    def placed(frame: MjcfBodyFrame) -> Array:
+    def link_from_body(frame: MjcfBodyFrame) -> Array:
         world_from_link = robot.world_from_root @ poses[frame.link]
         return frozen(inverse(world_from_link) @ world_from_bodies[frame.link] @ frame.link_from_body)
 
     bodies = tuple(
-        replace(frame, link_from_body=placed(frame)) for frame in extras.bodies if frame.link in poses
+        replace(frame, link_from_body=link_from_body(frame)) for frame in extras.bodies if frame.link in poses
     )
     mounted = tuple(element for element in extras.mounted if element.link in poses)
     root = next((frame for frame in bodies if frame.link == robot.root.name), None)
@@ -46,14 +46,14 @@ def with_bodies(robot: Robot, mechanism: Mechanism) -> Robot:
 
 
 def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
-    """Returns the robot with its extras less attributes of missing links and of values that the configuration
-    gives. Reports W-MJCF-LEFT for joints that follow other joints than in the source."""
+    """Returns the robot whose extras lack the attributes of missing links, and of values that the
+    configuration sets. Reports W-MJCF-LEFT for joints that follow other joints than in the source."""
     if robot.mjcf is None:
         return robot
     links = {link.name for link in robot.links}
     dofs = {dof.name: dof for dof in robot.dofs}
     attributes = (
-        _remaining_attributes(attribute_set, dofs, links, _loops(robot, keys))
+        _remaining_attributes(attribute_set, dofs, links, _configured_loops(robot, keys))
         for attribute_set in robot.mjcf.attributes
     )
     _report_chains(robot, mechanism, log)
@@ -65,7 +65,7 @@ def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diag
     )
 
 
-def _loops(robot: Robot, keys: GraphSections) -> set[str]:
+def _configured_loops(robot: Robot, keys: GraphSections) -> set[str]:
     """Returns the loops whose stiffness the configuration gives."""
     return set() if keys.loops.solref is None else {loop.name for loop in robot.loops}
 
@@ -89,16 +89,16 @@ def _report_chains(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> None
 def _with_root(
     root: MjcfBodyFrame, bodies: tuple[MjcfBodyFrame, ...], mounted: tuple[MjcfMounted, ...]
 ) -> tuple[tuple[MjcfBodyFrame, ...], tuple[MjcfMounted, ...]]:
-    """Returns the bodies and mounted elements with the root's body in the frame of its link, which the user
-    may choose."""
+    """Returns the bodies and mounted elements with the frame of the root's body at that of its link, which
+    the user may choose."""
     pose, axes = root.link_from_body, root.body_from_inertial
-    moved = replace(
+    root_at_link = replace(
         root,
         link_from_body=frozen(np.eye(4)),
         body_from_inertial=None if axes is None else frozen(pose[:3, :3] @ axes),
     )
     return (
-        tuple(moved if body is root else body for body in bodies),
+        tuple(root_at_link if body is root else body for body in bodies),
         tuple(
             replace(element, body_from_element=frozen(pose @ element.body_from_element))
             if element.link == root.link
@@ -111,16 +111,18 @@ def _with_root(
 def _remaining_attributes(
     attributes: MjcfAttributes, dofs: Mapping[str, Dof], links: set[str], loops: set[str]
 ) -> MjcfAttributes | None:
-    """Returns the attributes without those that the configuration gives; `loops`: the loops whose solref it
-    gives."""
+    """Returns the attributes without those whose values the configuration sets; None if none remains.
+    `loops`: the loops whose solref the configuration sets."""
     if attributes.kind in ("body", "freejoint"):
         return attributes if attributes.name in links else None
     if attributes.kind == "equality" and attributes.name in loops:
         return None
     if attributes.kind != "joint" or attributes.name not in dofs:
         return attributes
-    configured = tuple(_GIVEN[name] for name in dofs[attributes.name].given if name in _GIVEN)
+    prefixes = tuple(
+        _ATTRIBUTE_PREFIXES[name] for name in dofs[attributes.name].given if name in _ATTRIBUTE_PREFIXES
+    )
     remaining = tuple(
-        pair for pair in attributes.attributes if not (configured and pair[0].startswith(configured))
+        pair for pair in attributes.attributes if not (prefixes and pair[0].startswith(prefixes))
     )
     return replace(attributes, attributes=remaining) if remaining else None

@@ -1,5 +1,5 @@
-"""Computes the mobility of a mechanism: its coordinates less the rank of the conditions of relations and
-loops.
+"""Computes the mobility of a mechanism: the number of its coordinates less the rank of the conditions of its
+relations and loops.
 
 A loop requires that the twist of its frame along the path to link a equals that along the path to link b,
 except for the motions of its own dofs: 6 − f rows over the coordinates on both paths (Angeles, "Fundamentals
@@ -24,7 +24,7 @@ from linkwright.stages.robot.model.robot import Array, Dof, Loop, Mobility, Robo
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
 from linkwright.stages.robot.motion.tree_paths import paths_up
 
-FREEDOM = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
+DOF_COUNTS = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
 
 RANK_TOLERANCE = 1e-6
 """Singular values below this count as zero: entries are about 1, and saved poses are exact to about 1e-8."""
@@ -38,9 +38,9 @@ class Coordinate:
     spin: Array
     """Angular velocity (3,)."""
     shift: Array
-    """Velocity of the point `at` (3,)."""
-    at: Array
-    """A point (3,)."""
+    """Velocity (3,) of the point `point_on_axis`."""
+    point_on_axis: Array
+    """A point (3,) on the axis; for a slide, any point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,24 +48,24 @@ class _Ring:
     """A loop with its coordinates."""
 
     loop: Loop
-    to_a: tuple[Coordinate, ...]
+    on_path_a: tuple[Coordinate, ...]
     """Coordinates on the path to link a."""
-    to_b: tuple[Coordinate, ...]
+    on_path_b: tuple[Coordinate, ...]
     """Coordinates on the path to link b."""
     closure: tuple[Coordinate, ...]
     """Coordinates of the loop's own dofs."""
     point: Array
-    """The point of the loop (3,)."""
+    """Origin of the loop's frame on link a (3,)."""
 
     @property
-    def way(self) -> tuple[Coordinate, ...]:
-        """The coordinates all the way round, without the loop's own."""
-        return self.to_a + self.to_b
+    def on_both_paths(self) -> tuple[Coordinate, ...]:
+        """The coordinates on both paths, without those of the loop's own dofs."""
+        return self.on_path_a + self.on_path_b
 
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """The rate of a dof relative to its driver's: `multiplier`, times the reach to the `power`."""
+    """The rate of a dof relative to that of its driver: `multiplier`, times the reach to the `power`."""
 
     driver: str
     multiplier: float
@@ -80,7 +80,7 @@ def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
     A loop's redundant conditions are those that follow from the relations and from the loops before it
     by name.
     """
-    coordinates = sum(FREEDOM[dof.kind] for dof in robot.dofs)
+    coordinates = sum(DOF_COUNTS[dof.kind] for dof in robot.dofs)
     conditions = len(robot.relations) + sum(_conditions(loop) for loop in robot.loops)
     # Relations are trees: none of them follows from others.
     rank, redundant = len(robot.relations), dict[str, int]()
@@ -99,7 +99,7 @@ def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
 
 
 def _conditions(loop: Loop) -> int:
-    return 6 - sum(FREEDOM[dof.kind] for dof in loop.dofs)
+    return 6 - sum(DOF_COUNTS[dof.kind] for dof in loop.dofs)
 
 
 def _groups(rings: Sequence[_Ring], shares: Mapping[str, Share]) -> list[list[_Ring]]:
@@ -110,7 +110,7 @@ def _groups(rings: Sequence[_Ring], shares: Mapping[str, Share]) -> list[list[_R
     for number, ring in enumerate(rings):
         for name in {
             shares[coordinate.dof].driver if coordinate.dof in shares else coordinate.dof
-            for coordinate in ring.way
+            for coordinate in ring.on_both_paths
         }:
             forest.union(number, first.setdefault(name, number))
     groups: dict[int, list[_Ring]] = {}
@@ -126,7 +126,7 @@ def _rings(robot: Robot) -> list[_Ring]:
     order = {link.name: number for number, link in enumerate(robot.links)}
     coordinates: dict[str, tuple[Coordinate, ...]] = {}
 
-    def side(links: Sequence[str]) -> tuple[Coordinate, ...]:
+    def coordinates_on(links: Sequence[str]) -> tuple[Coordinate, ...]:
         for joint in (joint_of[link] for link in links if link not in coordinates):
             start = poses[joint.parent] @ joint.parent_from_joint
             coordinates[joint.child] = tuple(_coordinates(joint.dofs, start))
@@ -134,30 +134,30 @@ def _rings(robot: Robot) -> list[_Ring]:
 
     rings = []
     for loop in sorted(robot.loops, key=lambda loop: loop.name):
-        to_a, to_b = paths_up(loop.link_a, loop.link_b, parents, order)
+        on_path_a, on_path_b = paths_up(loop.link_a, loop.link_b, parents, order)
         closure = tuple(_coordinates(loop.dofs, poses[loop.link_b] @ loop.b_from_frame))
         point = (poses[loop.link_a] @ loop.a_from_frame)[:3, 3]
-        rings.append(_Ring(loop, side(to_a), side(to_b), closure, point))
+        rings.append(_Ring(loop, coordinates_on(on_path_a), coordinates_on(on_path_b), closure, point))
     return rings
 
 
 def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordinate]:
     """Yields the scalar motions of a chain of dofs that starts at this pose (4, 4), at its saved values."""
-    pose, none = root_from_start, np.zeros(3)
+    pose, zero = root_from_start, np.zeros(3)
     for dof in dofs:
         pose = pose @ dof.origin
-        moved = pose @ motion(dof.kind, dof.axis, dof.saved)
+        pose_after = pose @ motion(dof.kind, dof.axis, dof.saved)
         axis = pose[:3, :3] @ dof.axis
         if dof.kind == "turn":
-            yield Coordinate(dof.name, axis, none, pose[:3, 3])
+            yield Coordinate(dof.name, axis, zero, pose[:3, 3])
         elif dof.kind == "slide":
-            yield Coordinate(dof.name, none, axis, pose[:3, 3])
+            yield Coordinate(dof.name, zero, axis, pose[:3, 3])
         else:
-            for across in moved[:3, :3].T:
-                yield Coordinate(dof.name, across, none, moved[:3, 3])
-            for along in moved[:3, :3].T if dof.kind == "free" else ():
-                yield Coordinate(dof.name, none, along, moved[:3, 3])
-        pose = moved
+            for across in pose_after[:3, :3].T:
+                yield Coordinate(dof.name, across, zero, pose_after[:3, 3])
+            for along in pose_after[:3, :3].T if dof.kind == "free" else ():
+                yield Coordinate(dof.name, zero, along, pose_after[:3, 3])
+        pose = pose_after
 
 
 def _shares(robot: Robot) -> Mapping[str, Share]:
@@ -179,25 +179,27 @@ def _constraint_rows(
     of any ratio leave all entries at about 1.
     """
     reach = _reach(rings)
-    numbers: dict[object, int] = {}
+    column_of_key: dict[object, int] = {}
     columns: dict[Coordinate, int] = {}
     factors: dict[Coordinate, float] = {}
-    for coordinate in dict.fromkeys(coordinate for ring in rings for coordinate in ring.way):
+    for coordinate in dict.fromkeys(coordinate for ring in rings for coordinate in ring.on_both_paths):
         share = shares.get(coordinate.dof)
-        columns[coordinate] = numbers.setdefault(share.driver if share else coordinate, len(numbers))
+        columns[coordinate] = column_of_key.setdefault(
+            share.driver if share else coordinate, len(column_of_key)
+        )
         factors[coordinate] = share.multiplier * reach**share.power if share else 1.0
-    lengths = np.zeros(len(numbers))
+    lengths = np.zeros(len(column_of_key))
     for coordinate, column in columns.items():
         lengths[column] = math.hypot(lengths[column], factors[coordinate])
     blocks = []
     for ring in rings:
-        block = np.zeros((6, len(numbers)))
-        if ring.way:
-            indices = [columns[coordinate] for coordinate in ring.way]
+        block = np.zeros((6, len(column_of_key)))
+        if ring.on_both_paths:
+            indices = [columns[coordinate] for coordinate in ring.on_both_paths]
             # The twists along both paths must be equal: their difference is zero.
-            signs = np.repeat([1.0, -1.0], [len(ring.to_a), len(ring.to_b)])
-            parts = signs * [factors[coordinate] for coordinate in ring.way] / lengths[indices]
-            np.add.at(block.T, indices, (parts * _twists(ring.way, ring.point, reach)).T)
+            signs = np.repeat([1.0, -1.0], [len(ring.on_path_a), len(ring.on_path_b)])
+            parts = signs * [factors[coordinate] for coordinate in ring.on_both_paths] / lengths[indices]
+            np.add.at(block.T, indices, (parts * _twists(ring.on_both_paths, ring.point, reach)).T)
         blocks.append(_independent_rows(_locked_twists(ring, reach) @ block))
     return blocks, columns
 
@@ -206,7 +208,7 @@ def _twists(coordinates: Sequence[Coordinate], point: Array, reach: float) -> Ar
     """Returns the twists (6, n) of coordinates: the angular velocity, and the velocity of `point` (3,)
     measured by `reach` [m]. A slide's rate is measured by `reach` too."""
     spins = np.array([coordinate.spin for coordinate in coordinates])
-    arms = point - np.array([coordinate.at for coordinate in coordinates])
+    arms = point - np.array([coordinate.point_on_axis for coordinate in coordinates])
     shifts = np.array([coordinate.shift for coordinate in coordinates]) + np.cross(spins, arms)
     shifts[spins.any(axis=1)] /= reach
     return np.hstack([spins, shifts]).T
@@ -215,14 +217,16 @@ def _twists(coordinates: Sequence[Coordinate], point: Array, reach: float) -> Ar
 def _reach(rings: Sequence[_Ring]) -> float:
     """Returns the largest distance [m] of a coordinate from the point of its loop; 1 without coordinates."""
     offsets = [
-        np.array([coordinate.at for coordinate in ring.way]) - ring.point for ring in rings if ring.way
+        np.array([coordinate.point_on_axis for coordinate in ring.on_both_paths]) - ring.point
+        for ring in rings
+        if ring.on_both_paths
     ]
     distances = [float(np.linalg.norm(arms, axis=1).max()) for arms in offsets]
     return max(distances, default=0.0) or 1.0
 
 
 def _locked_twists(ring: _Ring, reach: float) -> Array:
-    """Returns an orthonormal basis (6 − f, 6) of the twists that the loop's own dofs do not let through."""
+    """Returns an orthonormal basis (6 − f, 6) of the twists that the loop's own dofs do not allow."""
     if not ring.closure:
         return np.eye(6)
     # The left singular vectors behind those of the free twists are orthogonal to these.
@@ -235,15 +239,15 @@ def _independent_rows(rows: Array) -> Array:
     """Returns independent rows with the same row space as `rows`."""
     if not rows.size:
         return rows[:0]
-    _, sizes, across = np.linalg.svd(rows, full_matrices=False)
+    _, sizes, right_vectors = np.linalg.svd(rows, full_matrices=False)
     rank = _rank(sizes)
     # Of rows U S Vᵀ, the rows of S Vᵀ span the same space.
-    independent: Array = sizes[:rank, None] * across[:rank]
+    independent: Array = sizes[:rank, None] * right_vectors[:rank]
     return independent
 
 
 def _rank(sizes: Array) -> int:
-    """Returns the rank, by singular values from the largest down."""
+    """Returns the rank of a matrix with these singular values, the largest first."""
     # The conditions that a planar loop fulfils by itself are all rounding: measured by the largest they would
     # count.
     return int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
@@ -253,10 +257,10 @@ def _rank_and_motion(matrix: Array) -> tuple[int, NDArray[np.bool_]]:
     """Returns the rank, and whether the conditions let each of n coordinates move (n,)."""
     if not matrix.size:
         return 0, np.ones(matrix.shape[1], dtype=bool)
-    _, sizes, across = np.linalg.svd(matrix)
+    _, sizes, right_vectors = np.linalg.svd(matrix)
     rank = _rank(sizes)
     # A coordinate moves if it has an entry in the null space, which the last rows of Vᵀ span.
-    return rank, (np.abs(across[rank:]) > RANK_TOLERANCE).any(axis=0)
+    return rank, (np.abs(right_vectors[rank:]) > RANK_TOLERANCE).any(axis=0)
 
 
 def _rank_increments(
@@ -276,9 +280,9 @@ def _rank_increments(
     half = len(blocks) // 2
     first, second = blocks[:half], blocks[half:]
     rank = _rank(np.linalg.svd(np.vstack([*blocks_above, *first]), compute_uv=False))
-    between = min(max(rank, rank_above), total_rank)  # where a singular value is on the edge of counting
-    return _rank_increments(first, rank_above, between, blocks_above) + _rank_increments(
-        second, between, total_rank, [*blocks_above, *first]
+    rank_between = min(max(rank, rank_above), total_rank)  # where a singular value is on the edge of counting
+    return _rank_increments(first, rank_above, rank_between, blocks_above) + _rank_increments(
+        second, rank_between, total_rank, [*blocks_above, *first]
     )
 
 
@@ -286,8 +290,8 @@ def _report_rigid(
     rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], log: Diagnostics
 ) -> None:
     for ring in rings:
-        if ring.way and not any(moving[columns[coordinate]] for coordinate in ring.way):
-            names = dict.fromkeys(coordinate.dof for coordinate in ring.way)
+        if ring.on_both_paths and not any(moving[columns[coordinate]] for coordinate in ring.on_both_paths):
+            names = dict.fromkeys(coordinate.dof for coordinate in ring.on_both_paths)
             text = f"the loop leaves no motion to {', '.join(names)}"
             hint = (
                 "remove a mate or a relation of the loop, or FASTEN the links if they are meant to be rigid"

@@ -1,4 +1,4 @@
-"""Finds the dofs that a relation joins, and its factor: as drawn, or as the user configures it."""
+"""Finds the dofs that a relation joins, and its factor: as in CAD, or as the user configures it."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -14,7 +14,7 @@ from linkwright.stages.robot.quantity_keys import as_typed, misfit
 from linkwright.stages.robot.text.globs import name_list, yaml_key
 from linkwright.stages.robot.text.names import free, legal
 
-PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
+DOF_KIND_PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),
     "LINEAR": (("slide", "slide"),),
     "RACK_AND_PINION": (("turn", "slide"), ("slide", "turn")),
@@ -24,10 +24,10 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 
 
 class _Unfit(Exception):
-    """An error of a relation that joins no dofs; the text gives the reason."""
+    """An error for a relation that joins no dofs; its text is the reason."""
 
 
-def named(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
+def with_relation_names(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
     """Returns the relations sorted by title, each with its own name, else a free name made from its title."""
     taken_names = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
     taken_names |= {dof.name for dof in robot.dofs} | {spec.name for spec in specs}
@@ -39,29 +39,31 @@ def named(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
     return named_specs
 
 
-def configured(
+def with_configured_relations(
     specs: Sequence[RelationSpec], sections: Mapping[str, RelationSection], log: Diagnostics
 ) -> list[RelationSpec]:
-    """Returns the relations after the key `relations`: dropped, inverted, with another offset. Later entries
-    win, field by field; a glob fits names, titles, and their last words. Reports E-GLOB for a glob that fits
-    nothing."""
-    things = [{spec.name, spec.title, spec.title.rsplit("/", 1)[-1]} for spec in specs]
+    """Returns the relations as the key `relations` changes them: without dropped ones, inverted, or with
+    another offset. Later entries win, field by field; a glob is compared with names, titles, and the titles'
+    last parts. Reports E-GLOB for a glob that matches nothing."""
+    name_groups = [{spec.name, spec.title, spec.title.rsplit("/", 1)[-1]} for spec in specs]
     entries = list(sections.values())
     configured_specs = []
-    for spec, fits in zip(specs, entries_of(things, sections, "relations", "relation", log), strict=True):
+    for spec, indices in zip(
+        specs, entries_of(name_groups, sections, "relations", "relation", log), strict=True
+    ):
         keys: dict[str, bool | float] = {}
-        for index in fits:
+        for index in indices:
             keys |= {key: value for key, value in entries[index] if value is not None}
         if keys.get("drop"):
             continue
-        against = bool(keys.get("invert"))
+        is_inverted = bool(keys.get("invert"))
         configured_specs.append(
             replace(
                 spec,
-                reverse=spec.reverse != against,
-                ratio=-spec.ratio if against and spec.type == "MIMIC" else spec.ratio,
+                reverse=spec.reverse != is_inverted,
+                ratio=-spec.ratio if is_inverted and spec.type == "MIMIC" else spec.ratio,
                 offset=keys.get("offset", spec.offset),
-                sure="invert" in keys,
+                is_direction_chosen="invert" in keys,
             )
         )
     return configured_specs
@@ -73,11 +75,11 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
     relations = []
     joints = {joint.name: joint for joint in robot.joints}
     kinds = {dof.name: dof.kind for dof in robot.dofs}
-    scalar = {name for name, kind in kinds.items() if kind in ("turn", "slide")}
+    scalar_dofs = {name for name, kind in kinds.items() if kind in ("turn", "slide")}
     for spec in specs:
         try:
             relation = (
-                _mimicked(robot, scalar, spec) if spec.type == "MIMIC" else _joined(robot, joints, spec)
+                _mimicked(robot, scalar_dofs, spec) if spec.type == "MIMIC" else _joined(robot, joints, spec)
             )
         except _Unfit as why:
             # Only a robot's own file has a MIMIC.
@@ -105,27 +107,29 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
 def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> DofRelation | None:
     """Returns the dofs and the factor of a relation; None for a SCREW without its CYLINDRICAL mate; raises
     _Unfit with the reason."""
-    if spec.type not in PAIRS:
+    if spec.type not in DOF_KIND_PAIRS:
         msg = f"a {spec.type} relation is not supported"
         raise _Unfit(msg)
-    meant = _joints(robot, joints, spec)
+    joined_joints = _joints(robot, joints, spec)
     if spec.type == "SCREW":
-        if any(joint.type != "cylindrical" for joint in meant):
+        if any(joint.type != "cylindrical" for joint in joined_joints):
             return None
-        meant = (*meant, *meant)
-    kinds, (driver, follower) = _dofs(spec, *meant)
+        joined_joints = (*joined_joints, *joined_joints)
+    kinds, (driver, follower) = _dofs(spec, *joined_joints)
     factor = _factor(spec, kinds)
     factor = factor if spec.reverse else -factor
     offset = None if spec.offset is None else float(spec.offset)
-    return DofRelation(spec.title, driver, follower, factor, offset, spec.name, sure=spec.sure)
+    return DofRelation(
+        spec.title, driver, follower, factor, offset, spec.name, is_direction_chosen=spec.is_direction_chosen
+    )
 
 
-def _mimicked(robot: Robot, scalar: Collection[str], spec: RelationSpec) -> DofRelation:
+def _mimicked(robot: Robot, scalar_dofs: Collection[str], spec: RelationSpec) -> DofRelation:
     """Returns the relation of a MIMIC, which names dofs, turns or slides, and has the factor and the offset
     itself."""
     driver, follower = spec.connections
     for name in spec.connections:
-        if name not in scalar:
+        if name not in scalar_dofs:
             raise _Unfit(_why_no_joint(robot, name))
     offset = float(spec.offset or 0.0)
     return DofRelation(spec.title, driver, follower, spec.ratio, offset, spec.name, complete=True)
@@ -153,22 +157,25 @@ def _why_no_joint(robot: Robot, name: str) -> str:
 
 
 def _dofs(spec: RelationSpec, first: Joint, second: Joint) -> tuple[tuple[DofKind, DofKind], tuple[str, str]]:
-    """Returns the only pair of dofs that the relation can mean."""
-    fits = [
+    """Returns the kinds and the names of the only pair of dofs that the relation can join; raises _Unfit if
+    no pair or several pairs fit."""
+    pairs_of_dofs = [
         ((driver.kind, follower.kind), (driver.name, follower.name))
-        for kinds in PAIRS[spec.type]
+        for kinds in DOF_KIND_PAIRS[spec.type]
         for driver in first.dofs
         for follower in second.dofs
         if (driver.kind, follower.kind) == kinds
     ]
-    if len(fits) == 1:
-        return fits[0]
+    if len(pairs_of_dofs) == 1:
+        return pairs_of_dofs[0]
     types = f"{first.name!r} ({first.type}) and {second.name!r} ({second.type})"
-    if fits:
-        pairs = ", ".join(" and ".join(names) for _, names in fits)
+    if pairs_of_dofs:
+        pairs = ", ".join(" and ".join(names) for _, names in pairs_of_dofs)
         msg = f"a {spec.type} relation of {types} is ambiguous: it may join {pairs}"
     else:
-        expected = " or ".join(f"a {driver} and a {follower}" for driver, follower in PAIRS[spec.type])
+        expected = " or ".join(
+            f"a {driver} and a {follower}" for driver, follower in DOF_KIND_PAIRS[spec.type]
+        )
         msg = f"a {spec.type} relation needs {expected}, which {types} do not have"
     raise _Unfit(msg)
 

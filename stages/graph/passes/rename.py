@@ -13,10 +13,10 @@ from linkwright.stages.robot.model.sensing import Sensor
 from linkwright.stages.robot.text.globs import matching_indices, name_list, with_plain_titles
 
 
-def renamed(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Mechanism:
+def rename_mechanism(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Mechanism:
     """Returns the mechanism with the names that `section` gives; no other name changes.
 
-    An entry means the only body or joint (a connection, or the joint of a frame) that has this name; else the
+    An entry is for the body or joint (a connection, or the joint of a frame) that has this name, else for the
     only body or joint whose name in CAD the glob matches. Reports E-RENAME for no match or several, E-NAME
     for a name that is not free.
     """
@@ -37,33 +37,39 @@ def renamed(mechanism: Mechanism, section: NamesSection, log: Diagnostics) -> Me
         _with_name(connection, joints.get(i, connection.name))
         for i, connection in enumerate(mechanism.connections)
     )
-    called = {names[i]: name for i, name in joints.items()}
+    joint_names = {names[i]: name for i, name in joints.items()}
     for old, new in zip(mechanism.connections, connections, strict=True):
-        called |= {old_dof.name: new_dof.name for old_dof, new_dof in zip(old.dofs, new.dofs, strict=True)}
+        joint_names |= {
+            old_dof.name: new_dof.name for old_dof, new_dof in zip(old.dofs, new.dofs, strict=True)
+        }
     specs = tuple(
-        replace(spec, connections=tuple(called.get(name, name) for name in spec.connections))
+        replace(spec, connections=tuple(joint_names.get(name, name) for name in spec.connections))
         for spec in mechanism.relations
     )
-    of_links = {mechanism.bodies[i].name: name for i, name in links.items()}
+    link_names = {mechanism.bodies[i].name: name for i, name in links.items()}
     renamed_mechanism = replace(
         mechanism,
         bodies=bodies,
         connections=connections,
         relations=specs,
         markers=tuple(
-            replace(marker, joint=called.get(marker.joint, marker.joint)) for marker in mechanism.markers
+            replace(marker, joint=joint_names.get(marker.joint, marker.joint)) for marker in mechanism.markers
         ),
         actuators=tuple(
-            replace(actuator, dof=called.get(actuator.dof, actuator.dof)) for actuator in mechanism.actuators
+            replace(actuator, dof=joint_names.get(actuator.dof, actuator.dof))
+            for actuator in mechanism.actuators
         ),
-        sensors=tuple(_measuring(sensor, called, of_links) for sensor in mechanism.sensors),
+        sensors=tuple(_renamed_sensor(sensor, joint_names, link_names) for sensor in mechanism.sensors),
         keyframes=tuple(
-            replace(keyframe, given=tuple((called.get(name, name), value) for name, value in keyframe.given))
+            replace(
+                keyframe,
+                given=tuple((joint_names.get(name, name), value) for name, value in keyframe.given),
+            )
             for keyframe in mechanism.keyframes
         ),
-        mjcf=mechanism.mjcf and mechanism.mjcf.renamed(_new_name(called, of_links)),
+        mjcf=mechanism.mjcf and mechanism.mjcf.renamed(_new_name(joint_names, link_names)),
     )
-    _check_free(renamed_mechanism, {*links.values(), *joints.values()}, log)
+    _check_new_names(renamed_mechanism, {*links.values(), *joints.values()}, log)
     return renamed_mechanism
 
 
@@ -74,17 +80,17 @@ def _new_name(dofs: Mapping[str, str], links: Mapping[str, str]) -> NewName:
     return lambda kind, name: tables.get(kind, {}).get(name, name)
 
 
-def _measuring(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]) -> Sensor:
+def _renamed_sensor(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]) -> Sensor:
     """Returns the sensor under the new names of its objects."""
 
-    def new(kind: str, name: str) -> str:
+    def new_name(kind: str, name: str) -> str:
         table = dofs if kind == "joint" else links if kind in ("body", "xbody") else {}
         return table.get(name, name)
 
     return replace(
         sensor,
-        name_of_target=new(sensor.target, sensor.name_of_target),
-        name_of_relative=new(sensor.relative_to, sensor.name_of_relative),
+        name_of_target=new_name(sensor.target, sensor.name_of_target),
+        name_of_relative=new_name(sensor.relative_to, sensor.name_of_relative),
     )
 
 
@@ -94,10 +100,10 @@ def _new_names(
     entries: tuple[Mapping[str, str], str, str],
     log: Diagnostics,
 ) -> dict[int, str]:
-    """Returns new names by the number of the thing; reports E-RENAME for an entry that does not match exactly
-    one thing."""
+    """Returns the new names by the index of the body or joint. `entries`: the key's content, its name, and
+    "link" or "joint". Reports E-RENAME for an entry that does not match exactly one body or joint."""
     new_names, where, kind = entries
-    names_by_number: dict[int, str] = {}
+    names_by_index: dict[int, str] = {}
     all_titles = [{name, *other_titles} for name, other_titles in zip(names, titles, strict=True)]
     for glob, new in new_names.items():
         matches = [names.index(glob)] if glob in names else matching_indices(glob, all_titles)
@@ -110,13 +116,13 @@ def _new_names(
         elif names[matches[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"
             log.report("E-RENAME", text, where, f"remove {glob!r}")
-        elif matches[0] in names_by_number:
-            name, new_name = names[matches[0]], names_by_number[matches[0]]
+        elif matches[0] in names_by_index:
+            name, new_name = names[matches[0]], names_by_index[matches[0]]
             text = f"{glob!r} means {name!r}, which is already renamed to {new_name!r}"
             log.report("E-RENAME", text, where, "remove one of the two")
         else:
-            names_by_number[matches[0]] = new
-    return names_by_number
+            names_by_index[matches[0]] = new
+    return names_by_index
 
 
 def _with_name(connection: Connection, name: str) -> Connection:
@@ -130,7 +136,7 @@ def _with_name(connection: Connection, name: str) -> Connection:
     return replace(connection, name=name, dofs=tuple(dofs))
 
 
-def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
+def _check_new_names(mechanism: Mechanism, new_names: Collection[str], log: Diagnostics) -> None:
     """Reports E-NAME for each new name that is invalid, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
     counts.update(name for marker in mechanism.markers for name in (marker.name, marker.joint))
@@ -138,8 +144,8 @@ def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) ->
         # A connection of one dof has that dof's name: the two count once.
         counts.update(_names_of(connection))
     for connection in mechanism.connections:
-        new = {*new, *_names_of(connection)} if connection.name in new else new
-    for name in sorted(new):
+        new_names = {*new_names, *_names_of(connection)} if connection.name in new_names else new_names
+    for name in sorted(new_names):
         duplicates = [name] if counts[name] > 1 else []
         reason = why_unusable(name, duplicates)
         if reason:

@@ -10,7 +10,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_groups import LoopGroups
 from linkwright.stages.robot.motion.loops import closing_values, relative_pose
 from linkwright.stages.robot.motion.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
-from linkwright.stages.robot.text.globs import matches_glob, name_list, yaml_key
+from linkwright.stages.robot.text.globs import yaml_key, matches_glob, name_list
 
 ROUNDING_TOLERANCE = 1e-3
 """Largest rounding [rad or m] of a typed value: its distance from a limit, from the value that a relation
@@ -20,20 +20,19 @@ gives it, and from the pose that closes a loop. Files round numbers to three dig
 def source_values(
     robot: Robot,
     keyframes: Sequence[Keyframe],
-    replacing: Mapping[str, Mapping[str, float]],
+    user_keyframes: Mapping[str, Mapping[str, float]],
     log: Diagnostics,
 ) -> dict[str, dict[str, float]]:
     """Returns the values [rad or m] of the source's `keyframes`, by name and by dof.
-
-    Left out are values that the user's keyframe of the same name replaces (`replacing`: name → glob → value),
-    those of the joints that a loop or relation makes follow such joints, and those of followers whose driver
-    has a value. A value outside the limits becomes the limit: W-KEYFRAME, unless the difference is rounding.
-    Reports I-KEYFRAME for a follower's value that contradicts its driver's, and for a keyframe that has the
-    name of the saved pose but differs from it.
+    Three kinds of values are left out: those that the user's keyframe of the same name replaces
+    (`user_keyframes`: name → glob → value), those of joints that a loop or relation couples to such joints,
+    and those of followers whose driver has a value. A value outside the limits becomes the limit: W-KEYFRAME,
+    unless the difference is rounding. Reports I-KEYFRAME for a follower's value that contradicts its
+    driver's, and for a keyframe that has the name of the saved pose but differs from it.
     """
     limits = ranges(robot)
     scalars = {dof.name: dof for dof in robot.dofs if dof.kind in ("turn", "slide")}
-    groups = _coupled_groups(robot) if keyframes and replacing else []
+    groups = _coupled_groups(robot) if keyframes and user_keyframes else []
     values_by_name: dict[str, dict[str, float]] = {}
     for keyframe in keyframes:
         keyframe_values = {
@@ -44,16 +43,16 @@ def source_values(
             _check_saved(robot, keyframe_values, log)
             continue
         values = _closed_values(robot, _driver_values(robot, keyframe.name, values, log))
-        replaced = {
+        replaced_dofs = {
             name
             for name in scalars
-            if any(matches_glob(name, glob) for glob in replacing.get(keyframe.name, ()))
+            if any(matches_glob(name, glob) for glob in user_keyframes.get(keyframe.name, ()))
         }
-        coupled = set(chain.from_iterable(group for group in groups if group & replaced))
+        coupled_dofs = set(chain.from_iterable(group for group in groups if group & replaced_dofs))
         values_by_name[keyframe.name] = {
-            name: value for name, value in values.items() if name not in replaced | coupled
+            name: value for name, value in values.items() if name not in replaced_dofs | coupled_dofs
         }
-        _report_moved(
+        _report_clipped(
             keyframe.name,
             {name: scalars[name] for name in values_by_name[keyframe.name]},
             keyframe_values,
@@ -68,21 +67,22 @@ def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-def _report_moved(
+def _report_clipped(
     keyframe: str,
     dofs: Mapping[str, Dof],
     values: Mapping[str, float],
     limits: Mapping[str, tuple[float, float]],
     log: Diagnostics,
 ) -> None:
-    """Reports W-KEYFRAME where the source has dofs of a keyframe outside their limits."""
-    outside = [
+    """Reports W-KEYFRAME for dofs of the source's keyframe that were outside their limits by more than
+    rounding."""
+    misfits = [
         f"{name} ({values[name]:g}, now {limit:.6g} {'rad' if dof.kind == 'turn' else 'm'})"
         for name, dof in dofs.items()
         if abs((limit := _clip(values[name], *limits[name])) - values[name]) > ROUNDING_TOLERANCE
     ]
-    if outside:
-        text = f"the source's keyframe is outside the limits of {name_list(outside)}: it has the limits there"
+    if misfits:
+        text = f"the source's keyframe is outside the limits of {name_list(misfits)}: it has the limits there"
         hint = "set limits in `joints`, or leave the keyframe out: "
         log.report("W-KEYFRAME", text, keyframe, f"{hint}`keyframes: {{{yaml_key(keyframe)}: null}}`")
 
@@ -91,21 +91,24 @@ def _driver_values(
     robot: Robot, keyframe: str, values: Mapping[str, float], log: Diagnostics
 ) -> dict[str, float]:
     """Returns the values without those of followers whose drivers have a value."""
-    driving = dict(values)
+    driver_values = dict(values)
     for relation in robot.relations:
         driver, follower = relation.driver, relation.follower
         if driver not in values or follower not in values:
             continue
-        value, followed = driving.pop(follower), relation.multiplier * values[driver] + relation.offset
-        if abs(followed - value) > ROUNDING_TOLERANCE:
+        value, value_of_follower = (
+            driver_values.pop(follower),
+            relation.multiplier * values[driver] + relation.offset,
+        )
+        if abs(value_of_follower - value) > ROUNDING_TOLERANCE:
             text = f"the source's keyframe: {driver} = {values[driver]:g} makes {follower} "
-            text += f"{followed:g}, not {value:g}"
+            text += f"{value_of_follower:g}, not {value:g}"
             log.report("I-KEYFRAME", text, keyframe, f"{follower} follows {driver}")
-    return driving
+    return driver_values
 
 
 def _closed_values(robot: Robot, values: Mapping[str, float]) -> dict[str, float]:
-    """Returns the values that close the loops exactly, where the given values do so except for rounding."""
+    """Returns values that close the loops exactly, if `values` do so except for rounding; else `values`."""
     saved_pose = saved(robot)
     if not robot.loops or not open_loops(robot, nearest(robot, saved_pose, values)):
         return dict(values)
@@ -130,10 +133,10 @@ def _closed_values(robot: Robot, values: Mapping[str, float]) -> dict[str, float
 def _coupled_groups(robot: Robot) -> list[set[str]]:
     """Returns groups of dofs that move together: by a loop, or by a relation."""
     groups = LoopGroups(robot)
-    together = [groups.moved_by(loop) for loop in robot.loops]
-    together += [{relation.driver, relation.follower} for relation in robot.relations]
+    coupled_names = [groups.moved_by(loop) for loop in robot.loops]
+    coupled_names += [{relation.driver, relation.follower} for relation in robot.relations]
     merged: list[set[str]] = []
-    for names in together:
+    for names in coupled_names:
         touching = [group for group in merged if group & names]
         merged = [group for group in merged if not group & names]
         merged.append(set(names).union(*touching))
@@ -142,10 +145,12 @@ def _coupled_groups(robot: Robot) -> list[set[str]]:
 
 def _check_saved(robot: Robot, values: Mapping[str, float], log: Diagnostics) -> None:
     saved_pose = saved(robot)
-    moved = [name for name, value in values.items() if not _is_equal(saved_pose[name], value)]
-    if moved:
-        text = f"the source's keyframe {SAVED} is left out: it moves {name_list(moved)}, "
-        text += f"and {SAVED} is the pose that the source starts in"
+    names = [name for name, value in values.items() if not _is_equal(saved_pose[name], value)]
+    if names:
+        text = (
+            f"the source's keyframe {SAVED} is left out: it moves {name_list(names)}, and {SAVED} is the pose "
+        )
+        text += "that the source starts in"
         log.report("I-KEYFRAME", text, SAVED, "call it otherwise in the source, or give it in `keyframes`")
 
 

@@ -1,4 +1,5 @@
-"""Turns links that only stand for frames into frames, and gives mass to massless links between two joints."""
+"""Converts links that only represent frames into frames, and gives mass to massless links between two
+joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape
 from linkwright.stages.graph.mechanism import WORLD_LINK
-from linkwright.stages.graph.urdf.structure import tops
+from linkwright.stages.graph.urdf.structure import top_ancestors
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import MIN_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
@@ -17,11 +18,11 @@ from linkwright.stages.robot.text.plural import count
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfFrame:
-    """A dummy link turned into a frame on `link`, under its name in the file."""
+    """A frame on `link` that replaces a dummy link, with the name of the dummy in the file."""
 
     name: str
     joint: str
-    """The fixed joint that held it there."""
+    """The fixed joint of the dummy link."""
     link: str
     link_from_frame: Array
 
@@ -29,8 +30,8 @@ class UrdfFrame:
 def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame, ...]]:
     """Returns the file with each dummy on a fixed joint merged into its parent, as a frame (I-URDF-FRAME).
 
-    A dummy has no mass, or has some but next to no extent: a point that its parent carries. Its shapes
-    and its joints go to the parent with it. The link `world` takes in no dummies.
+    A dummy has no mass, or a mass with almost no inertia: a point that its parent carries. The parent gets
+    its shapes and joints. Dummies on the link `world` stay links.
     """
     joints = {joint.child: joint for joint in urdf.joints}
     links = {link.name: link for link in urdf.links}
@@ -41,12 +42,14 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
         if joint.type == "fixed" and joint.parent != world and _is_point(links[child].inertial)
     }
     places = _places(dummies, joints)
-    carried: dict[str, list[tuple[UrdfLink, Array]]] = {}
+    dummies_of_link: dict[str, list[tuple[UrdfLink, Array]]] = {}
     for name in sorted(places):
         carrier, pose = places[name]
-        carried.setdefault(carrier, []).append((links[name], pose))
+        dummies_of_link.setdefault(carrier, []).append((links[name], pose))
     remaining_links = [
-        _with_dummies(link, carried.get(link.name, [])) for link in urdf.links if link.name not in dummies
+        _with_dummies(link, dummies_of_link.get(link.name, []))
+        for link in urdf.links
+        if link.name not in dummies
     ]
     moved_joints = [_move_joint(joint, places) for joint in urdf.joints if joint.child not in dummies]
     if dummies:
@@ -57,28 +60,29 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
     return replace(urdf, links=tuple(remaining_links), joints=tuple(moved_joints)), frames
 
 
-def weighs_nothing(inertial: Inertial | None) -> bool:
-    """Returns whether an inertial is missing, or has neither mass nor inertia."""
+def is_massless(inertial: Inertial | None) -> bool:
+    """Tells whether an inertial is missing, or has neither mass nor inertia."""
     return inertial is None or (inertial.mass == 0 and not inertial.inertia.any())
 
 
 def _is_point(inertial: Inertial | None) -> bool:
-    if inertial is None or weighs_nothing(inertial):
+    if inertial is None or is_massless(inertial):
         return True
     return inertial.mass > 0 and bool(np.abs(inertial.inertia).max() < MIN_MOMENT)
 
 
 def has_world(urdf: Urdf) -> bool:
-    """Returns whether the link `world` is the world that the robot is fixed to: a root without mass."""
+    """Tells whether the link `world` is the world to which the robot is fixed: a root without mass."""
     children = {joint.child for joint in urdf.joints}
     return any(
-        link.name == WORLD_LINK and link.name not in children and weighs_nothing(link.inertial)
+        link.name == WORLD_LINK and link.name not in children and is_massless(link.inertial)
         for link in urdf.links
     )
 
 
 def _places(dummies: set[str], joints: Mapping[str, UrdfJoint]) -> dict[str, tuple[str, Array]]:
-    """Returns the link that finally carries each dummy, and the dummy's frame in it (4, 4)."""
+    """Returns for each dummy the nearest link above it that is no dummy, and the dummy's pose in it (4,
+    4)."""
     places: dict[str, tuple[str, Array]] = {}
     for name in dummies:
         path = []
@@ -122,17 +126,16 @@ def _move_joint(joint: UrdfJoint, places: Mapping[str, tuple[str, Array]]) -> Ur
 
 
 def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
-    """Gives next to no mass to moving links without mass that carry links with mass (I-URDF-MASSLESS). Such a
-    link is between two joints, like the inner links of a ball.
-
-    `repair`: moving links without mass that carry no mass get some too (W-URDF-MASSLESS).
+    """Gives a tiny mass to moving links without mass that carry links with mass (I-URDF-MASSLESS). Such a
+    link is between two joints, such as those of a ball joint made of three hinges.
+    `repair`: whether moving links without mass that carry no mass get a tiny mass too (W-URDF-MASSLESS).
     """
-    rigid = tops({joint.child: joint.parent for joint in urdf.joints if joint.type == "fixed"})
+    rigid = top_ancestors({joint.child: joint.parent for joint in urdf.joints if joint.type == "fixed"})
 
     def group(name: str) -> str:
         return rigid.get(name, name)
 
-    heavy = {group(link.name) for link in urdf.links if not weighs_nothing(link.inertial)}
+    heavy = {group(link.name) for link in urdf.links if not is_massless(link.inertial)}
     parents = {group(joint.child): group(joint.parent) for joint in urdf.joints if joint.type != "fixed"}
     carriers: set[str] = set()
     visited: set[str] = set()
@@ -146,12 +149,12 @@ def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
     if carriers:
         text = f"links between joints have no mass; {NEXT_TO_NOTHING:g} kg was used: {name_list(carriers)}"
         log.report("I-URDF-MASSLESS", text, urdf.name, hint)
-    idle = set(parents) - heavy - carriers if repair else set()
-    if idle:
+    massless_leaves = set(parents) - heavy - carriers if repair else set()
+    if massless_leaves:
         text = (
             f"moving links have no mass; {NEXT_TO_NOTHING:g} kg was used, and the simulation may be unstable"
         )
-        log.report("W-URDF-MASSLESS", f"{text}: {name_list(idle)}", urdf.name, hint)
-    carriers |= idle
+        log.report("W-URDF-MASSLESS", f"{text}: {name_list(massless_leaves)}", urdf.name, hint)
+    carriers |= massless_leaves
     links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)
     return replace(urdf, links=tuple(links))

@@ -6,12 +6,12 @@ from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.naming import FileNames, Namer
 from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, has_world
-from linkwright.stages.graph.urdf.structure import SCALAR
+from linkwright.stages.graph.urdf.structure import SCALAR_TYPES
 from linkwright.stages.robot.diagnostics import Diagnostics
 
 UrdfFileNames = FileNames[str, str]
 
-_PLANAR = ("_x", "_y", "_turn")
+_PLANAR_SUFFIXES = ("_x", "_y", "_turn")
 """The suffixes of a planar joint's dofs."""
 
 
@@ -22,12 +22,20 @@ def names_of(urdf: Urdf, frames: Sequence[UrdfFrame], log: Diagnostics) -> UrdfF
     world = {WORLD_LINK: WORLD_LINK} if has_world(urdf) else {}
     links = namer.keep("link", _pairs(link.name for link in urdf.links if link.name not in world))
     frame_names = namer.keep("frame", _pairs(frame.name for frame in frames))
-    ordered = sorted(urdf.joints, key=lambda joint: joint.name)
+    sorted_joints = sorted(urdf.joints, key=lambda joint: joint.name)
     joints = namer.keep(
-        "joint", _pairs([*(named.name for named in ordered), *(named.joint for named in frames)])
+        "joint",
+        _pairs(
+            [
+                *(frame_or_joint.name for frame_or_joint in sorted_joints),
+                *(frame_or_joint.joint for frame_or_joint in frames),
+            ]
+        ),
     )
-    dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in ordered}
-    followers = [joint.name for joint in ordered if joint.mimic is not None and joint.type in SCALAR]
+    dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in sorted_joints}
+    followers = [
+        joint.name for joint in sorted_joints if joint.mimic is not None and joint.type in SCALAR_TYPES
+    ]
     relations = {name: namer.make("equality", f"{joints[name]}_mimic") for name in followers}
     namer.report(log)
     return FileNames(world | links, frame_names, joints, dofs, relations, {})
@@ -39,5 +47,5 @@ def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:
 
 def _dofs(joint: UrdfJoint, name: str, namer: Namer) -> tuple[str, ...]:
     if joint.type == "planar":
-        return tuple(namer.make("joint", name + end) for end in _PLANAR)
+        return tuple(namer.make("joint", name + end) for end in _PLANAR_SUFFIXES)
     return () if joint.type == "fixed" else (name,)

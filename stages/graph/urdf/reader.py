@@ -19,11 +19,11 @@ from linkwright.stages.graph.mechanism import (
     RigidBody,
 )
 from linkwright.stages.graph.section import GraphSections
-from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
+from linkwright.stages.graph.urdf.dummy_links import UrdfFrame, is_massless, with_carriers, without_dummies
 from linkwright.stages.graph.urdf.inertias import Policy, with_repaired_inertias
 from linkwright.stages.graph.urdf.naming import UrdfFileNames, names_of
 from linkwright.stages.graph.urdf.srdf import with_srdf
-from linkwright.stages.graph.urdf.structure import SCALAR, check_structure, tops
+from linkwright.stages.graph.urdf.structure import SCALAR_TYPES, check_structure, top_ancestors
 from linkwright.stages.robot.bundle import Bundle, FileBundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import ZERO, moved
@@ -64,7 +64,7 @@ UNSTATED_BASE = Diagnostic(
 def read_mechanism(
     bundle: FileBundle, keys: GraphSections, log: Diagnostics
 ) -> tuple[Mechanism, GraphSections]:
-    """Reads a URDF and the meshes that it names; AssemblyError has all problems at once.
+    """Reads a URDF; raises AssemblyError with all problems of its structure at once.
 
     Links without a body become frames, and impossible inertias are repaired as the source's key
     `bad_inertia` asks. The joints are at zero, followers at their mimic's values.
@@ -83,14 +83,16 @@ def read_mechanism(
     names = names_of(urdf, frames, log)
     dofs = _with_saved_values({joint.name: tuple(_dofs(joint, names, log)) for joint in urdf.joints}, urdf)
     world_from_link = _poses(urdf, dofs)
-    numbers = {link.name: number for number, link in enumerate(urdf.links)}
+    index_of_link = {link.name: number for number, link in enumerate(urdf.links)}
     mechanism = Mechanism(
         bodies=tuple(_body(link, world_from_link[link.name], names, bundle, log) for link in urdf.links),
-        connections=tuple(_connection(joint, dofs, names, numbers, world_from_link) for joint in urdf.joints),
+        connections=tuple(
+            _connection(joint, dofs, names, index_of_link, world_from_link) for joint in urdf.joints
+        ),
         relations=tuple(_relations(urdf, names, log)),
-        markers=tuple(_marker(frame, names, numbers, world_from_link) for frame in frames),
+        markers=tuple(_marker(frame, names, index_of_link, world_from_link) for frame in frames),
         provenance=Provenance(**bundle.root),
-        root=numbers[root],
+        root=index_of_link[root],
         has_saved_pose=False,
         transmissions=urdf.transmissions,
         controls=urdf.controls,
@@ -104,7 +106,7 @@ def _root(urdf: Urdf) -> str:
     """Returns the link without a parent; of several, that with the most links below it, then the first by
     name."""
     parents = {joint.child: joint.parent for joint in urdf.joints}
-    top = tops(parents)
+    top = top_ancestors(parents)
     count = Counter(top.get(link.name, link.name) for link in urdf.links)
     return min(count, key=lambda name: (-count[name], name))
 
@@ -112,7 +114,7 @@ def _root(urdf: Urdf) -> str:
 def _dofs(joint: UrdfJoint, names: UrdfFileNames, log: Diagnostics) -> Iterator[Dof]:
     dof_names = names.dofs[joint.name]
     zero = frozen(np.zeros(3))
-    if joint.type in SCALAR:
+    if joint.type in SCALAR_TYPES:
         kind: DofKind = "slide" if joint.type == "prismatic" else "turn"
         yield _dof(dof_names[0], kind, joint.axis, _limits(joint, log), _dynamics(joint, log))
     elif joint.type == "floating":
@@ -129,18 +131,19 @@ def _dof(name: str, kind: DofKind, axis: Array, limits: Limits, dynamics: Dynami
 
 
 def _cross_axes(normal: Array) -> tuple[Array, Array]:
-    """Returns two unit vectors across `normal` (3,), right-handed with it: x and y where it is z. The frame
-    that the shortest turn takes there (Duff et al., "Building an Orthonormal Basis, Revisited", 2017)."""
+    """Returns two unit vectors (3,) that are right-handed with `normal` (3,): x and y, turned by the shortest
+    rotation from z to `normal` (Duff et al., "Building an Orthonormal Basis, Revisited", 2017)."""
     x, y, z = (float(value) for value in normal)
     sign = 1.0 if z >= 0 else -1.0
     a = -1.0 / (sign + z)
     b = x * y * a
-    first = np.array([1.0 + sign * x * x * a, sign * b, -sign * x])
-    return first, np.array([b, sign + y * y * a, -y])
+    first_axis = np.array([1.0 + sign * x * x * a, sign * b, -sign * x])
+    return first_axis, np.array([b, sign + y * y * a, -y])
 
 
 def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
-    """Returns the limits in the file. A range [0, 0] also means a missing range, so it is no limit."""
+    """Returns the limits in the file. A range [0, 0], which a missing range looks like, counts as no limit
+    (W-URDF-RANGE)."""
     if joint.type == "continuous" or joint.limits is None:
         return Limits()
     if (joint.limits.lower, joint.limits.upper) == (0.0, 0.0):
@@ -164,7 +167,7 @@ def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
 
 def _with_saved_values(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:
     """Returns the dofs with followers at their mimic's values for drivers at zero."""
-    mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR}
+    mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR_TYPES}
 
     values: dict[str, float] = {}
     for name in mimics:
@@ -203,7 +206,7 @@ def _body(
     link: UrdfLink, world_from_link: Array, names: UrdfFileNames, bundle: Bundle, log: Diagnostics
 ) -> RigidBody:
     name = names.links[link.name]
-    weightless = weighs_nothing(link.inertial)
+    weightless = is_massless(link.inertial)
     shapes = (*((shape, True) for shape in link.visuals), *((shape, False) for shape in link.collisions))
     return RigidBody(
         name=name,
@@ -288,7 +291,7 @@ def _relations(urdf: Urdf, names: UrdfFileNames, log: Diagnostics) -> Iterator[R
     for joint in urdf.joints:
         if joint.mimic is None:
             continue
-        if joint.type not in SCALAR:
+        if joint.type not in SCALAR_TYPES:
             text = f"a joint of type {joint.type} cannot follow another joint: its <mimic> is left out"
             log.report("W-URDF-MIMIC", text, joint.name, "remove it")
             continue

@@ -20,8 +20,8 @@ from linkwright.stages.robot.model.robot import Array, Inertial
 
 
 def solid_of(shapes: Iterable[UrdfShape], bundle: Bundle) -> Inertial | None:
-    """Returns the solid of density 1 that the shapes make together, in the link's frame; a mesh that is not
-    closed counts as its convex hull. Returns None where no shape has a volume."""
+    """Returns the inertial of the shapes as solids of density 1, in the link's frame; a mesh that is not
+    closed counts as its convex hull. Returns None if no shape has a volume."""
     solids = [moved(solid, shape.link_from_shape) for shape in shapes for solid in _solids(shape, bundle)]
     return merged(solids) if solids else None
 
@@ -46,7 +46,7 @@ def _solids(shape: UrdfShape, bundle: Bundle) -> Iterator[Inertial]:
 
 
 def _is_closed(corners: npt.NDArray[np.int64]) -> bool:
-    """Returns whether every edge of the triangles (m, 3) occurs equally often in both directions."""
+    """Tells whether every edge of the triangles (m, 3) occurs equally often in both directions."""
     edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
     forth, back = edges[np.lexsort(edges.T)], edges[:, ::-1]
     return bool(np.array_equal(forth, back[np.lexsort(back.T)]))

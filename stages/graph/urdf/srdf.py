@@ -30,11 +30,11 @@ from linkwright.stages.robot.model.semantics import (
 from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
-REQUEST, NAME = "robot.srdf", "srdf"
+REQUEST_NAME, NAME_OPTION = "robot.srdf", "srdf"
 """The request of a bundle for an SRDF's text, and the option that has its name."""
 
-ONE_VALUE = ("revolute", "continuous", "prismatic")
-"""The types of joints that have one value."""
+ONE_VALUE_TYPES = ("revolute", "continuous", "prismatic")
+"""Types of joints with a single value."""
 
 MAX_GROUP_DEPTH, MAX_CHAIN_JOINTS, MAX_DISABLED_PAIRS = 64, 10_000_000, 1_000_000
 """Limits for untrusted files: the depth of groups in groups, the number of joints of all chains together,
@@ -42,11 +42,11 @@ and the number of pairs of links whose collisions the default of a link disables
 
 Item = TypeVar("Item", SrdfGroup, SrdfEndEffector, SrdfVirtualJoint)
 
-DEFAULT = "User"
+DEFAULT_REASON = "User"
 """The reason of collisions that the default of a link disables."""
 
-BASES = ("fixed", "floating")
-"""The types of a virtual joint that a robot's base can have."""
+BASE_TYPES = ("fixed", "floating")
+"""Types of a virtual joint that are possible for a robot's base."""
 
 
 def with_srdf(
@@ -60,7 +60,7 @@ def with_srdf(
 
     I-SRDF lists what the SRDF gave; W-SRDF lists the parts left out.
     """
-    digest = bundle.requests.get(REQUEST)
+    digest = bundle.requests.get(REQUEST_NAME)
     if digest is None:
         return mechanism
     urdf, frames, names = file
@@ -69,7 +69,7 @@ def with_srdf(
     reader = SrdfReader(parse_srdf(bundle.body(digest)), urdf, frames, root.path[0])
     semantics, base = reader.semantics()
     keyframes = reader.keyframes(names)
-    reader.report(bundle.options.get(NAME, "the SRDF"), semantics, keyframes, base, log)
+    reader.report(bundle.options.get(NAME_OPTION, "the SRDF"), semantics, keyframes, base, log)
     if base == "fixed" and not root.fixed_reason:
         root = replace(root, fixed_reason="the SRDF's virtual joint fixes it to the world")
     bodies = tuple(root if number == mechanism.root else body for number, body in enumerate(mechanism.bodies))
@@ -166,7 +166,7 @@ class SrdfReader:
         for name, joint in self._first_of_name(self.srdf.virtual_joints, "virtual joint").items():
             if joint.child_link != self.root:
                 self.left_out.append(f"the virtual joint {name}, which does not hold the root {self.root}")
-            elif joint.type not in BASES:
+            elif joint.type not in BASE_TYPES:
                 self.left_out.append(
                     f"the virtual joint {name}: the base cannot be {joint.type or 'without a type'}"
                 )
@@ -195,8 +195,8 @@ class SrdfReader:
         if name in resolved:
             return resolved[name]
         if name in ancestors or len(ancestors) > MAX_GROUP_DEPTH:
-            deep = "within itself" if name in ancestors else f"within more than {MAX_GROUP_DEPTH} others"
-            self.left_out.append(f"the group {name} {deep}")
+            nesting = "within itself" if name in ancestors else f"within more than {MAX_GROUP_DEPTH} others"
+            self.left_out.append(f"the group {name} {nesting}")
             return []
         group, where = self.groups[name], f"the group {name}"
         self.left_out += [f"{joint} in {where}" for joint in group.joints if joint in self.virtual]
@@ -213,7 +213,8 @@ class SrdfReader:
         return resolved[name]
 
     def _chain(self, base: str, tip: str) -> list[str]:
-        """Returns the moving joints from a link to a link below it; empty where `tip` is not below `base`."""
+        """Returns the moving joints from the link `base` to the link `tip`; empty if `tip` is not below
+        `base`."""
         names: list[str] = []
         while tip != base:
             joint = self.above.get(tip)
@@ -239,13 +240,15 @@ class SrdfReader:
     def _values(self, state: SrdfState) -> Iterator[tuple[str, float]]:
         values, where = dict(state.values), f"the state {state.name}"
         # Pinocchio's files have the place of a free base as a joint that no URDF has.
-        of_base = {name for name in values if name in self.virtual or len(values[name]) > 1}
-        of_base -= self.joints.keys()
-        self.left_out += [f"the place of the base ({name}) in {where}" for name in values if name in of_base]
-        names = [name for name in values if name not in of_base]
+        base_joints = {name for name in values if name in self.virtual or len(values[name]) > 1}
+        base_joints -= self.joints.keys()
+        self.left_out += [
+            f"the place of the base ({name}) in {where}" for name in values if name in base_joints
+        ]
+        names = [name for name in values if name not in base_joints]
         for name in self._known_names(self.joints, "joint", names, where):
             numbers, type_ = values[name], self.joints[name].type
-            if type_ in ONE_VALUE and len(numbers) == 1:
+            if type_ in ONE_VALUE_TYPES and len(numbers) == 1:
                 yield name, numbers[0]
             elif type_ != "fixed":
                 self.left_out.append(f"{count(len(numbers), 'value')} of {name} in {where}")
@@ -261,13 +264,13 @@ class SrdfReader:
         bodies = dict.fromkeys(tuple(sorted({self.carrier[name] for name in pair})) for pair in reasons)
         for a, b in (pair for pair in bodies if len(pair) == 2):
             shapes = solid.get(a, []), solid.get(b, [])
-            few = len(shapes[0]) * len(shapes[1]) <= len(reasons)
-            pairs = [frozenset(pair) for pair in product(*shapes)] if few else []
+            is_comparable = len(shapes[0]) * len(shapes[1]) <= len(reasons)
+            pairs = [frozenset(pair) for pair in product(*shapes)] if is_comparable else []
             disabled = [DisabledPair(a, b, reasons[pair]) for pair in pairs if pair in reasons]
             touching = [pair for pair in disabled if pair.touches]
             if disabled and len(disabled) == len(pairs):
                 yield (touching or disabled)[0]
-            elif touching or not few:
+            elif touching or not is_comparable:
                 self.left_out.append(f"disabled collisions of only a part of {a} with {b}")
 
     def _reasons(self, solid: Sequence[str]) -> dict[frozenset[str], str]:
@@ -286,7 +289,7 @@ class SrdfReader:
             return reasons
         pairs = dict.fromkeys(frozenset((link, partner)) for link in links for partner in solid)
         enabled = {frozenset(pair) for pair in self.srdf.enabled}
-        return dict.fromkeys((pair for pair in pairs if pair not in enabled), DEFAULT) | reasons
+        return dict.fromkeys((pair for pair in pairs if pair not in enabled), DEFAULT_REASON) | reasons
 
     def _known_names(
         self, names_known: Collection[str], kind: str, names: Iterable[str], where: str

@@ -1,4 +1,4 @@
-"""Checks that the links and joints of a file are a tree; every problem is reported at once."""
+"""Checks that the links and joints of a file are a tree, and reports all problems at once."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -9,26 +9,26 @@ from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.globs import name_list
 
-SCALAR = ("revolute", "continuous", "prismatic")
+SCALAR_TYPES = ("revolute", "continuous", "prismatic")
 """Types of joints whose value is a number."""
 
 
 def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
-    """Reports E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
+    """Reports E-URDF-* for each fault by which links and joints are not a tree, at its joint or link.
 
     `disconnected`: whether several roots are allowed, since the user has chosen what becomes of them.
     """
     links = {link.name for link in urdf.links}
     link_list = f"links are: {name_list(links)}"
-    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, link_list, log)]
-    _check_parents(sound, log)
+    valid_joints = [joint for joint in urdf.joints if _ends_are_there(joint, links, link_list, log)]
+    _check_parents(valid_joints, log)
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(links)
-    graph.add_edges_from((joint.parent, joint.child) for joint in sound)
+    graph.add_edges_from((joint.parent, joint.child) for joint in valid_joints)
     groups = sorted(sorted(group) for group in nx.strongly_connected_components(graph) if len(group) > 1)
     group_of = {name: number for number, group in enumerate(groups) for name in group}
     joints_by_group: list[list[str]] = [[] for _ in groups]
-    for joint in sound:
+    for joint in valid_joints:
         if joint.parent in group_of and group_of[joint.parent] == group_of.get(joint.child):
             joints_by_group[group_of[joint.parent]].append(joint.name)
     for group, names in zip(groups, joints_by_group, strict=True):
@@ -62,9 +62,9 @@ def _check_parents(joints: Iterable[UrdfJoint], log: Diagnostics) -> None:
     joints_above: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
         joints_above.setdefault(joint.child, []).append(joint)
-    for child, several in sorted(joints_above.items()):
-        if len(several) > 1:
-            text = f"the link has {len(several)} parent joints: {', '.join(sorted(j.name for j in several))}"
+    for child, parents in sorted(joints_above.items()):
+        if len(parents) > 1:
+            text = f"the link has {len(parents)} parent joints: {', '.join(sorted(j.name for j in parents))}"
             hint = "a link of a URDF has one parent: a loop must be closed in the MJCF, by an equality"
             log.report("E-URDF-PARENTS", text, child, hint)
 
@@ -76,29 +76,28 @@ def _check_mimics(urdf: Urdf, log: Diagnostics) -> None:
     circles = _circles({name: joint.mimic.joint for name, joint in joints.items() if joint.mimic})
     hint = "correct the <mimic>, or remove it"
     for joint in sorted(joints.values(), key=lambda joint: joint.name):
-        if joint.mimic is not None and joint.type in SCALAR:
-            why = _mimic_fault(joint, joint.mimic, joints, circles)
-            if why:
-                log.report("E-URDF-MIMIC", why, joint.name, hint)
+        if joint.mimic is not None and joint.type in SCALAR_TYPES:
+            fault = _mimic_fault(joint, joint.mimic, joints, circles)
+            if fault:
+                log.report("E-URDF-MIMIC", fault, joint.name, hint)
 
 
 def _mimic_fault(
     joint: UrdfJoint, mimic: UrdfMimic, joints: Mapping[str, UrdfJoint], circles: Mapping[str, str]
 ) -> str:
-    """Returns why the joint cannot follow; "" where it can."""
+    """Returns the reason why the joint cannot follow; "" if it can."""
     if mimic.joint == joint.name:
         return "it mimics itself"
     driver = joints.get(mimic.joint)
     if driver is None:
         return f"it mimics {mimic.joint!r}, which is not a joint"
-    if driver.type not in SCALAR:
+    if driver.type not in SCALAR_TYPES:
         return f"it mimics {mimic.joint!r}, which is {driver.type} and so has no single value"
     return f"it mimics in a cycle: {circles[joint.name]}" if joint.name in circles else ""
 
 
 def _circles(parents: Mapping[str, str]) -> dict[str, str]:
-    """Returns the circles of names, by each name from which the path upwards returns to it: the names on the
-    path."""
+    """Returns for each name in a circle of parents the list of the circle's names, as a text."""
     circles: dict[str, str] = {}
     visited: set[str] = set()
     for name in parents:
@@ -113,13 +112,13 @@ def _circles(parents: Mapping[str, str]) -> dict[str, str]:
     return circles
 
 
-def tops(parents: Mapping[str, str]) -> dict[str, str]:
-    """Returns the end of the path upwards from each name of a forest that has a path."""
-    tops_by_name: dict[str, str] = {}
+def top_ancestors(parents: Mapping[str, str]) -> dict[str, str]:
+    """Returns the topmost ancestor of each name that has a parent."""
+    ancestors_by_name: dict[str, str] = {}
     for name in parents:
         path = []
-        while name in parents and name not in tops_by_name:
+        while name in parents and name not in ancestors_by_name:
             path.append(name)
             name = parents[name]
-        tops_by_name |= dict.fromkeys(path, tops_by_name.get(name, name))
-    return tops_by_name
+        ancestors_by_name |= dict.fromkeys(path, ancestors_by_name.get(name, name))
+    return ancestors_by_name

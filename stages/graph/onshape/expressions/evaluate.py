@@ -1,7 +1,7 @@
 """Evaluates expressions as designers type them: numbers with units, variables, functions.
 
-`-#reach / 2 + 15 deg` is evaluated in SI with its dimension, so that a length where an angle is
-expected is found. Angles are a dimension of their own. The language is what Onshape's fields accept
+`-#reach / 2 + 15 deg` is evaluated in SI with its dimension, so that a length in place of an angle
+is detected. Angles are a dimension of their own. The language is what Onshape's fields accept
 of FeatureScript: arithmetic, comparison, `cond ? a : b`, and the functions of its math library.
 """
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from linkwright.stages.graph.onshape.expressions.functions import CONSTANTS, FUNCTIONS
 from linkwright.stages.graph.onshape.expressions.quantity import (
-    NONE,
+    DIMENSIONLESS,
     ExpressionError,
     Quantity,
     UnknownVariable,
@@ -42,7 +42,7 @@ class Scope:
         self.rounded: set[str] = set()
 
     def __call__(self, name: str) -> Value:
-        """Returns the variable's value; raises ExpressionError where it has none."""
+        """Returns the value of a variable; raises ExpressionError if it has none."""
         if name in self._known:
             self._note(name)
             return self._known[name]
@@ -104,14 +104,14 @@ def measured(text: str, measure: Measure, lookup: Lookup) -> float:
     """Returns the value of an expression that must be a length [m] or an angle [rad]; raises
     ExpressionError if it is not.
 
-    A bare 0 is both; any other number needs its unit.
+    A 0 without a unit is both a length and an angle; any other number needs its unit.
     """
     value = evaluate(text, lookup)
     expected = unit(0.0, measure)
     if isinstance(value, Quantity):
         if value.dimension == expected.dimension:
             return value.value
-        if value.dimension == NONE and value.value == 0.0:
+        if value.dimension == DIMENSIONLESS and value.value == 0.0:
             return 0.0
         actual = value.description
     else:
@@ -129,14 +129,14 @@ def _value_of(node: Expression, lookup: Lookup) -> Value:
         case "name":
             return _constant(node.name)
         case "call":
-            return _call_value(node.name, [_value_of(operand, lookup) for operand in node.below])
+            return _call_value(node.name, [_value_of(operand, lookup) for operand in node.operands])
         case "unary":
-            return _unary(node.name, _value_of(node.below[0], lookup))
+            return _unary(node.name, _value_of(node.operands[0], lookup))
         case "choice":
-            condition, then, other = node.below
-            return _value_of(then if truth(_value_of(condition, lookup)) else other, lookup)
+            condition, value_if_true, value_if_false = node.operands
+            return _value_of(value_if_true if truth(_value_of(condition, lookup)) else value_if_false, lookup)
         case "binary":
-            first, second = node.below
+            first, second = node.operands
             return _binary(node.name, first, second, lookup)
 
 
@@ -154,18 +154,18 @@ def _call_value(name: str, values: Sequence[Value]) -> Value:
     if name not in FUNCTIONS:
         msg = f"the function {name}() is not known"
         raise ExpressionError(msg)
-    fewest, largest_count, function = FUNCTIONS[name]
-    if not fewest <= len(values) <= largest_count:
-        count = str(fewest) if fewest == largest_count else f"{fewest} or more"
+    min_count, max_count, function = FUNCTIONS[name]
+    if not min_count <= len(values) <= max_count:
+        count = str(min_count) if min_count == max_count else f"{min_count} or more"
         msg = f"{name}() takes {count} values and got {len(values)}"
         raise ExpressionError(msg)
-    plain = []
+    quantities = []
     for value in values:
         if not isinstance(value, Quantity):
             msg = f"{name}() takes quantities, not true or false"
             raise ExpressionError(msg)
-        plain.append(value)
-    return function(plain).checked()
+        quantities.append(value)
+    return function(quantities).checked()
 
 
 def _unary(sign: str, value: Value) -> Value:
@@ -187,4 +187,4 @@ def _binary(sign: str, first: Expression, second: Expression, lookup: Lookup) ->
     if not isinstance(a, Quantity) or not isinstance(b, Quantity):
         msg = f"{sign!r} takes quantities, not true or false"
         raise ExpressionError(msg)
-    return a.combined(sign, b)
+    return a.apply_operator(sign, b)

@@ -9,20 +9,25 @@ from linkwright.stages.robot.text.units import Measure
 Dimension = tuple[Fraction, Fraction]
 """Exponents of metre and radian."""
 
-NONE: Dimension = (Fraction(0), Fraction(0))
+DIMENSIONLESS: Dimension = (Fraction(0), Fraction(0))
 LENGTH: Dimension = (Fraction(1), Fraction(0))
 ANGLE: Dimension = (Fraction(0), Fraction(1))
 
-_NAMES = {NONE: "a number", LENGTH: "a length", ANGLE: "an angle", (Fraction(2), Fraction(0)): "an area"}
+_NAMES = {
+    DIMENSIONLESS: "a number",
+    LENGTH: "a length",
+    ANGLE: "an angle",
+    (Fraction(2), Fraction(0)): "an area",
+}
 _MAX_POWER = 64
 
 
 class ExpressionError(Exception):
-    """An error of an expression without a value; the text gives the reason, and follows "…: "."""
+    """An error for an expression without a value; its text is the reason, and is written after a colon."""
 
 
 class UnknownVariable(ExpressionError):
-    """An error of an expression that refers to an undefined variable."""
+    """An error for a variable that is not defined."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"the variable #{name} is not known")
@@ -34,7 +39,7 @@ class Quantity:
     """A number with its dimension."""
 
     value: float
-    """In SI."""
+    """Value in SI units."""
     length: Fraction = Fraction(0)
     """Exponent of metre."""
     angle: Fraction = Fraction(0)
@@ -51,7 +56,7 @@ class Quantity:
         return _NAMES.get(self.dimension, f"a quantity in m^({self.length})·rad^({self.angle})")
 
     def checked(self) -> "Quantity":
-        """Returns itself; raises ExpressionError where the value is not finite."""
+        """Returns this quantity; raises ExpressionError if its value is not finite."""
         if math.isfinite(self.value):
             return self
         msg = "a value is not finite"
@@ -64,7 +69,7 @@ class Quantity:
     def __neg__(self) -> "Quantity":
         return self.like(-self.value)
 
-    def combined(self, sign: str, other: "Quantity") -> "Quantity | bool":
+    def apply_operator(self, sign: str, other: "Quantity") -> "Quantity | bool":
         """Returns `self sign other`; raises ExpressionError where the dimensions do not allow it."""
         if sign == "*":
             product = self.value * other.value
@@ -77,7 +82,7 @@ class Quantity:
             return Quantity(ratio, self.length - other.length, self.angle - other.angle).checked()
         if sign == "^":
             return self.power(other)
-        self.same(other, repr(sign))
+        self.require_same_dimension(other, repr(sign))
         a, b = self.value, other.value
         match sign:
             case "+":
@@ -97,7 +102,7 @@ class Quantity:
 
     def power(self, exponent: "Quantity") -> "Quantity":
         """Returns the quantity to the power of a plain number."""
-        if exponent.dimension != NONE:
+        if exponent.dimension != DIMENSIONLESS:
             msg = f"an exponent must be a number, not {exponent.description}"
             raise ExpressionError(msg)
         power = exponent.value
@@ -109,19 +114,19 @@ class Quantity:
             msg = "a negative number to a fractional power"
             raise ExpressionError(msg)
         result = Quantity(float(value)).checked()
-        if self.dimension == NONE:
+        if self.dimension == DIMENSIONLESS:
             return result
         if abs(power) > _MAX_POWER:
             msg = f"a power above {_MAX_POWER} of a quantity with a unit"
             raise ExpressionError(msg)
-        share = Fraction(power).limit_denominator(12)
-        return Quantity(result.value, self.length * share, self.angle * share)
+        exponent_fraction = Fraction(power).limit_denominator(12)
+        return Quantity(result.value, self.length * exponent_fraction, self.angle * exponent_fraction)
 
-    def same(self, other: "Quantity", where: str) -> None:
+    def require_same_dimension(self, other: "Quantity", where: str) -> None:
         """Raises ExpressionError unless both have the same dimension."""
         if self.dimension != other.dimension:
-            kinds = f"{self.description} and {other.description}"
-            msg = f"{where} needs two values of the same dimension, not {kinds}"
+            dimensions = f"{self.description} and {other.description}"
+            msg = f"{where} needs two values of the same dimension, not {dimensions}"
             raise ExpressionError(msg)
 
 

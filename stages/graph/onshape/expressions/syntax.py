@@ -35,14 +35,14 @@ class Expression:
     """A node of the tree of an expression."""
 
     kind: Literal["number", "variable", "name", "call", "unary", "binary", "choice"]
-    """Kind of `name`."""
+    """Kind of the node, by which `name` is a number, a variable, a unit or constant, a function or a sign."""
     name: str
-    below: tuple["Expression", ...] = ()
+    operands: tuple["Expression", ...] = ()
     """The operands."""
 
 
 def parse(text: str) -> Expression:
-    """Parses a whole expression to its tree; raises ExpressionError for any other text."""
+    """Parses a text to the tree of its expression; raises ExpressionError for an invalid text."""
     return _Parser(text).whole()
 
 
@@ -51,7 +51,7 @@ class _Parser:
 
     def __init__(self, text: str) -> None:
         self._tokens = _tokens(text)
-        self._at = 0
+        self._position = 0
         self._depth = 0
 
     def whole(self) -> Expression:
@@ -63,7 +63,7 @@ class _Parser:
             raise ExpressionError(msg)
         return node
 
-    def _expression(self, least: int, *, exponent: bool = False) -> Expression:
+    def _expression(self, min_precedence: int, *, exponent: bool = False) -> Expression:
         self._depth += 1
         if self._depth > MAX_DEPTH:
             msg = f"it is nested more than {MAX_DEPTH} deep"
@@ -71,27 +71,27 @@ class _Parser:
         operand = self._operand(exponent=exponent)
         while True:
             kind, token = self._peek()
-            if kind == "name" and token in UNITS and least <= _UNIT:
+            if kind == "name" and token in UNITS and min_precedence <= _UNIT:
                 # A unit binds its own power first: 5 mm^2 is 5·(mm²).
                 operand = Expression("binary", "*", (operand, self._expression(_UNIT + 1)))
-            elif kind == "sign" and token in _BINARY and _BINARY[token] >= least:
-                self._at += 1
+            elif kind == "sign" and token in _BINARY and _BINARY[token] >= min_precedence:
+                self._position += 1
                 power = _BINARY[token]
                 # `^` groups to the right and takes a sign: 2^-1, 2^3^2.
                 right = self._expression(_UNARY if token == "^" else power + 1, exponent=token == "^")
                 operand = Expression("binary", token, (operand, right))
-            elif kind == "sign" and token == "?" and least <= _TERNARY:
-                self._at += 1
-                then = self._expression(_TERNARY)
+            elif kind == "sign" and token == "?" and min_precedence <= _TERNARY:
+                self._position += 1
+                value_if_true = self._expression(_TERNARY)
                 self._expect(":")
-                operand = Expression("choice", "?", (operand, then, self._expression(_TERNARY)))
+                operand = Expression("choice", "?", (operand, value_if_true, self._expression(_TERNARY)))
             else:
                 self._depth -= 1
                 return operand
 
     def _operand(self, *, exponent: bool) -> Expression:
         kind, token = self._peek()
-        self._at += 1
+        self._position += 1
         if kind == "number":
             return Expression("number", token) if exponent else self._literal(token)
         if token == _CONSTANT and not exponent:
@@ -100,7 +100,7 @@ class _Parser:
             return Expression("variable", token[1:])
         if kind == "name":
             if self._peek()[1] == "(":
-                self._at += 1
+                self._position += 1
                 return Expression("call", token, self._arguments())
             return Expression("name", token)
         if kind == "sign" and token in "-+!":
@@ -118,21 +118,21 @@ class _Parser:
         value = self._mixed(number)
         if self._peek()[1] not in UNITS or self._peek(1)[0] != "number":
             return self._before_unit(value)
-        size = math.inf
+        unit_size = math.inf
         total: Expression | None = None
         while self._peek()[1] in UNITS:
             unit = self._peek()[1]
-            if UNITS[unit][0] >= size:
+            if UNITS[unit][0] >= unit_size:
                 msg = f"{unit!r} is not expected there: it is no smaller than the unit before it"
                 raise ExpressionError(msg)
-            self._at += 1
-            size = UNITS[unit][0]
+            self._position += 1
+            unit_size = UNITS[unit][0]
             part = Expression("binary", "*", (value, Expression("name", unit)))
             total = part if total is None else Expression("binary", "+", (total, part))
             kind, token = self._peek()
             if kind != "number":
                 return total
-            self._at += 1
+            self._position += 1
             value = self._mixed(token)
         msg = "a number without a unit follows a number with a unit"
         raise ExpressionError(msg)
@@ -143,24 +143,24 @@ class _Parser:
         is_fraction = number.isdigit() and numerator[1].isdigit() and denominator[1].isdigit()
         if not (is_fraction and slash[1] == "/"):
             return Expression("number", number)
-        self._at += 3
+        self._position += 3
         fraction = Expression(
             "binary", "/", (Expression("number", numerator[1]), Expression("number", denominator[1]))
         )
         return Expression("binary", "+", (Expression("number", number), fraction))
 
     def _before_unit(self, value: Expression) -> Expression:
-        """Reads a number or constant with those that it is multiplied or divided by, where a unit comes
-        next."""
+        """Reads the factors and divisors after a number or constant, if a unit follows them; otherwise
+        returns the value itself."""
         ahead = 0
         while self._peek(ahead)[1] in ("*", "/") and self._is_plain(self._peek(ahead + 1)):
             ahead += 2
-        several = self._peek(ahead + 1)[0] == "number"  # 2 * 1 ft 2 in
-        if ahead == 0 or several or self._peek(ahead)[1] not in UNITS:
+        has_second_unit = self._peek(ahead + 1)[0] == "number"  # 2 * 1 ft 2 in
+        if ahead == 0 or has_second_unit or self._peek(ahead)[1] not in UNITS:
             return value
         for _ in range(0, ahead, 2):
             (_, sign), (kind, token) = self._peek(), self._peek(1)
-            self._at += 2
+            self._position += 2
             value = Expression(
                 "binary", sign, (value, Expression("number" if kind == "number" else "name", token))
             )
@@ -171,11 +171,11 @@ class _Parser:
 
     def _arguments(self) -> tuple[Expression, ...]:
         if self._peek()[1] == ")":
-            self._at += 1
+            self._position += 1
             return ()
         arguments = [self._expression(0)]
         while self._peek()[1] == ",":
-            self._at += 1
+            self._position += 1
             arguments.append(self._expression(0))
         self._expect(")")
         return tuple(arguments)
@@ -185,11 +185,11 @@ class _Parser:
         if token != sign:
             msg = f"{sign!r} is expected" + (f" in place of {token!r}" if kind else " at the end")
             raise ExpressionError(msg)
-        self._at += 1
+        self._position += 1
 
     def _peek(self, ahead: int = 0) -> tuple[str, str]:
-        position = self._at + ahead
-        return self._tokens[position] if position < len(self._tokens) else ("", "")
+        token_index = self._position + ahead
+        return self._tokens[token_index] if token_index < len(self._tokens) else ("", "")
 
 
 def _tokens(text: str) -> list[tuple[str, str]]:

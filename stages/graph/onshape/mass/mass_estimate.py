@@ -17,10 +17,11 @@ Key = tuple[StudioKey, str]
 """A part studio and the id of a part in it."""
 
 NET_AREA_TOLERANCE = 1e-6
-"""Largest net area of a closed surface, as a share of its area."""
+"""Largest sum of the area vectors of a closed surface, as a share of its area: it is 0 except for
+rounding."""
 
 VOLUME_TOLERANCE = 0.1
-"""Largest difference of the volume inside a closed surface from CAD's, as a share of CAD's."""
+"""Largest difference between the volume inside a closed surface and the volume in CAD, as a share of that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,16 +29,16 @@ class PartShape:
     """A part's shape with a mass of 1 kg, in the part's frame."""
 
     kind: Literal["solid", "ball", "shell"]
-    """A solid has closed triangles. A ball has the volume, at the middle of the box around triangles that are
-    open. A shell is as thin as a sheet."""
+    """solid: from closed triangles; ball: a ball of the part's volume at the centre of the box around open
+    triangles; shell: a sheet of no thickness on the triangles."""
     inertial: Inertial
     volume: float
-    """CAD's [m³], else that of the triangles; 0 for a shell."""
+    """Volume [m³] in CAD, else of the triangles; 0 for a shell."""
 
 
 def shapes_of(bundle: OnshapeBundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, PartShape]:
-    """Returns the shapes of parts, by the volumes that `shape_of` takes; parts without triangles have no
-    shape."""
+    """Returns the shape of each part; parts without triangles are left out. `volumes`: parts with their
+    volumes, as `shape_of` takes them."""
     replies = {studio.key: studio.tessellation for studio in bundle.studios}
     parts_by_reply: dict[str, dict[Key, float | None]] = {}
     for key, volume in volumes:
@@ -57,7 +58,7 @@ def shapes_of(bundle: OnshapeBundle, volumes: Iterable[tuple[Key, float | None]]
 def shape_of(body: body_arrays.Body, volume: float | None) -> PartShape | None:
     """Returns the shape of a body; None if it has no triangles.
 
-    `volume` [m³]: CAD's; 0 if it is unknown, None if the body is a sheet.
+    `volume` [m³]: volume in CAD; 0 if it is unknown, None if the body is a sheet.
     """
     corners = body.points[body.triangles]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
@@ -90,12 +91,12 @@ def _solid(body: body_arrays.Body, volume: float) -> PartShape | None:
 def _ball(points: Array, volume: float) -> Inertial:
     """Returns the inertial of a ball: I = 2/5 m r²."""
     radius = (3 * volume / (4 * math.pi)) ** (1 / 3)
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    return Inertial(1.0, frozen(middle), frozen(2 / 5 * radius**2 * np.eye(3)))
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    return Inertial(1.0, frozen(centre), frozen(2 / 5 * radius**2 * np.eye(3)))
 
 
 def _shell(corners: npt.NDArray[np.float64], sizes: Array) -> Inertial:
-    """Returns the inertial of even matter over triangles (m, 3, 3) of areas `sizes` (m,).
+    """Returns the inertial of 1 kg that is spread evenly over triangles (m, 3, 3) of areas `sizes` (m,).
 
     A triangle with corners a, b, c has ∫x xᵀ dA = A/12 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c.
     """
@@ -103,6 +104,8 @@ def _shell(corners: npt.NDArray[np.float64], sizes: Array) -> Inertial:
     com = shares @ corners.mean(axis=1)
     arms = corners - com
     sums = arms.sum(axis=1)
-    second = np.einsum("i,ikj,ikl->jl", shares, arms, arms) + np.einsum("i,ij,il->jl", shares, sums, sums)
-    second /= 12
-    return Inertial(1.0, frozen(com), frozen(np.trace(second) * np.eye(3) - second))
+    second_moment = np.einsum("i,ikj,ikl->jl", shares, arms, arms) + np.einsum(
+        "i,ij,il->jl", shares, sums, sums
+    )
+    second_moment /= 12
+    return Inertial(1.0, frozen(com), frozen(np.trace(second_moment) * np.eye(3) - second_moment))

@@ -21,8 +21,8 @@ _SAMPLES = 12
 class CoordinateCoupling:
     """A coordinate of a mate that changes in proportion to a dof of another mate."""
 
-    onto: int
-    """Number of the dof of the other mate."""
+    dof_index: int
+    """Index of the dof in the other mate."""
     factor: float
     """Change of the coordinate over change of the dof; 0 for a coordinate that does not change."""
 
@@ -30,11 +30,10 @@ class CoordinateCoupling:
 def coordinate_couplings(
     follower: MateView, driver: MateView, size: float
 ) -> tuple[CoordinateCoupling | None, ...]:
-    """Returns the coupling of each coordinate of a mate to those of a mate whose motions it allows.
-
-    None means a coordinate that does not follow a single other coordinate in proportion. Coordinates are
-    turns, slides, and of a ball the angle of its cone. Couplings are fitted at poses around the saved pose,
-    less than half a turn away; `size` [m] is the scale of slides.
+    """Returns the coupling of each coordinate of the mate `follower` to a dof of the mate `driver`, whose
+    motions it allows; None for a coordinate that is not proportional to a single dof.
+    Coordinates are turns, slides, and the cone angles of balls. Couplings are fitted at poses less than half
+    a turn away from the saved pose; `size` [m] is the scale of slides.
     """
     poses = _poses_around(driver, size)
     driver_changes = np.array([changes(driver, pose) for pose in poses])
@@ -44,15 +43,17 @@ def coordinate_couplings(
     reach = np.abs(driver_changes).max(axis=0)
     couplings: list[CoordinateCoupling | None] = []
     for dof, column in zip(follower.dofs, follower_changes.T, strict=True):
-        least = ANGLE_TOLERANCE * (size if dof.kind == "slide" else 1.0)
+        tolerance = ANGLE_TOLERANCE * (size if dof.kind == "slide" else 1.0)
         factors = np.linalg.lstsq(driver_changes, column, rcond=None)[0]
-        driving = np.flatnonzero(np.abs(factors) * reach > least)
-        if np.abs(driver_changes @ factors - column).max() > least or len(driving) > 1:
+        driving_dofs = np.flatnonzero(np.abs(factors) * reach > tolerance)
+        if np.abs(driver_changes @ factors - column).max() > tolerance or len(driving_dofs) > 1:
             couplings.append(None)
-        elif len(driving) == 0:
+        elif len(driving_dofs) == 0:
             couplings.append(CoordinateCoupling(0, 0.0))
         else:
-            couplings.append(CoordinateCoupling(int(driving[0]), round(float(factors[driving[0]]), 12)))
+            couplings.append(
+                CoordinateCoupling(int(driving_dofs[0]), round(float(factors[driving_dofs[0]]), 12))
+            )
     return tuple(couplings)
 
 
@@ -84,10 +85,10 @@ def changes(view: MateView, displacement: Array) -> Array:
     """Returns the changes (n,) of a mate's coordinates as its first body is displaced relative to its
     second."""
     saved = coordinates(view, np.eye(4))
-    after = coordinates(view, displacement)
-    turns = np.array([dof.kind == "turn" for dof in view.dofs])
-    change = after - saved
-    return np.where(turns, np.remainder(change + math.pi, math.tau) - math.pi, change)
+    displaced = coordinates(view, displacement)
+    is_turn = np.array([dof.kind == "turn" for dof in view.dofs])
+    change = displaced - saved
+    return np.where(is_turn, np.remainder(change + math.pi, math.tau) - math.pi, change)
 
 
 def coordinates(view: MateView, displacement: Array) -> Array:

@@ -4,8 +4,8 @@ Before v17 of the API mates have no `mateLimits`. The designer's input is then i
 features, as expressions: the `value` beside them is a stale zero. Lists come in two envelopes, `{typeName,
 message: {...}}` and flat with `btType`.
 
-A limit that the designer never typed is no limit. It has `isNull`, or, in all that was ever recorded,
-the words of the empty field as its `nullValue` ("No maximum") beside a zero; one that was typed has "".
+A limit that the designer never typed does not count. It has `isNull`, or, in all recorded replies, the words
+of the empty field as its `nullValue` ("No maximum") beside a zero; a typed limit has the `nullValue` "".
 """
 
 import re
@@ -31,7 +31,7 @@ _UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
 
 @dataclass(frozen=True, slots=True)
 class _Owner:
-    """The mates of an assembly as typed, and its names."""
+    """The parameters of an assembly's mates, with the assembly's configuration and variables."""
 
     mates: Mapping[str, Mapping[str, Record]]
     """Feature id → parameter id → parameter."""
@@ -95,8 +95,8 @@ def _mates(body: bytes) -> Iterator[tuple[str, Mapping[str, Record]]]:
 
 def _unwrap(record: Any) -> Record:
     """Returns a feature or parameter without its envelope, if any."""
-    inside = record.get("message")
-    return inside if isinstance(inside, dict) else record
+    message = record.get("message")
+    return message if isinstance(message, dict) else record
 
 
 def _limits(mate: Mate, owner: _Owner) -> tuple[Record, LimitOrigin]:
@@ -123,7 +123,7 @@ def _limits(mate: Mate, owner: _Owner) -> tuple[Record, LimitOrigin]:
     except ExpressionError as error:
         return {}, LimitOrigin(str(error))
     return typed_limits.limits, LimitOrigin(
-        "; ".join(typed_limits.reasons), tuple(typed_limits.doubts), tuple(typed_limits.half)
+        "; ".join(typed_limits.reasons), tuple(typed_limits.doubts), tuple(typed_limits.half_open)
     )
 
 
@@ -133,21 +133,21 @@ class _TypedLimits:
 
     limits: dict[str, float]
     empty: dict[str, str]
-    """Why some are empty."""
+    """Name of each limit that was not typed → how the reply shows this."""
     reasons: list[str]
     doubts: list[str]
-    half: list[str]
+    half_open: list[str]
 
 
 def _read_limit(
     name: str, kind: DofKind, parameter: Record, scope: Scope, typed_limits: _TypedLimits
 ) -> None:
     """Records a limit as a number, as open, or as unknown."""
-    text, empty = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
+    text, null_text = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
     if parameter.get("isNull"):
         return
-    if empty and _UNTOUCHED.fullmatch(text):
-        typed_limits.empty[name] = f"{text!r} beside {empty!r}"
+    if null_text and _UNTOUCHED.fullmatch(text):
+        typed_limits.empty[name] = f"{text!r} beside {null_text!r}"
         return
     scope.rounded.clear()
     try:
@@ -155,8 +155,8 @@ def _read_limit(
     except ExpressionError as error:
         typed_limits.reasons.append(f"{name} is {text!r}, which has no value: {error}")
     else:
-        if empty:
-            doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} is used"
+        if null_text:
+            doubt = f"{name} is {text!r} beside {null_text!r}, which contradict each other: {text!r} is used"
             typed_limits.doubts.append(doubt)
     if scope.rounded:
         names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
@@ -164,7 +164,8 @@ def _read_limit(
 
 
 def _compare(freedom: Freedom, typed_limits: _TypedLimits) -> None:
-    """Drops limits whose lower end is above the upper; notes an open side where only the other was typed."""
+    """Drops limits whose lower end is above the upper, and records a side that is open although the other
+    side was typed."""
     low, high = (typed_limits.limits.get(name) for name in limit_names(freedom))
     if low is not None and high is not None and low > high:
         typed_limits.reasons.append(f"its lower limit {low:.6g} is above its upper limit {high:.6g}")
@@ -172,28 +173,27 @@ def _compare(freedom: Freedom, typed_limits: _TypedLimits) -> None:
             del typed_limits.limits[name]
     for name, other in (limit_names(freedom), limit_names(freedom)[::-1]):
         if name in typed_limits.empty and other in typed_limits.limits:
-            typed_limits.half.append(
+            typed_limits.half_open.append(
                 f"{name} is {typed_limits.empty[name]}, so it was not typed: the joint is open on that side"
             )
 
 
 def _parameter_value(parameter: Record, owner: _Owner) -> Record:
-    """Returns the parameter that holds in this configuration; raises ExpressionError where that is not
-    known."""
+    """Returns the parameter that applies in this configuration; raises ExpressionError if that is unknown."""
     if "configurationParameterId" not in parameter:
         return parameter
     name = parameter["configurationParameterId"]
-    chosen = owner.configuration.get(name)
+    option = owner.configuration.get(name)
     for value in map(_unwrap, parameter.get("values") or ()):
-        if chosen is not None and chosen in _options(value):
+        if option is not None and option in _options(value):
             return _unwrap(value["value"])
-    setting = f"{name} = {chosen!r}" if chosen is not None else f"the unknown value of {name}"
+    setting = f"{name} = {option!r}" if option is not None else f"the unknown value of {name}"
     msg = f"{parameter.get('parameterId')} depends on the configuration, and nothing fits {setting}"
     raise ExpressionError(msg)
 
 
 def _options(value: Record) -> set[str]:
-    """Returns the option of a configuration parameter that a value belongs to, in each form it may have."""
+    """Returns the option of a configuration parameter to which a value belongs, in all its forms."""
     flag = value.get("booleanValue")
     return {
         str(option)

@@ -14,7 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
-from linkwright.stages.graph.onshape.mates.combined_limits import POSE_TOLERANCE, LimitLost, limited, narrowed
+from linkwright.stages.graph.onshape.mates.combined_limits import (
+    POSE_TOLERANCE,
+    LimitLost,
+    narrow_limits,
+    with_dof_limits,
+)
 from linkwright.stages.graph.onshape.mates.coordinates import coordinate_couplings, coordinates
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES
 from linkwright.stages.graph.onshape.mates.twists import (
@@ -31,7 +36,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, frozen
 
-RIGID = "W-MATES-RIGID"
+RIGID_CODE = "W-MATES-RIGID"
 
 MateKey = tuple[Path, str, str]
 
@@ -43,12 +48,12 @@ class Absorbed:
     by: MateKey
     """Key of the other mate."""
     dofs: Mapping[str, tuple[str, float]]
-    """By the suffix of each dof of this mate, the dof of the other that moves it, and a factor: its change =
-    factor · the other's."""
+    """Suffix of a dof of this mate → the suffix of the other mate's dof that moves it, and the ratio of the
+    change of this dof to that of the other."""
 
     @property
     def sign(self) -> int:
-        """1 or -1 where all its values change with the other's, or against them; else 0."""
+        """1 or -1 if all dofs change as those of the other mate do, or as their opposites; else 0."""
         factors = {factor for _, factor in self.dofs.values()}
         return int(factors.pop()) if factors in ({1.0}, {-1.0}) else 0
 
@@ -60,9 +65,9 @@ class CombinedMates:
     mates: tuple[Mate, ...]
     """A single mate for each two bodies, if a mate can describe their motion."""
     welds: tuple[tuple[Path, Path], ...]
-    """Occurrences that their mates hold rigidly against each other; those mates are gone."""
+    """Pairs of occurrences that their mates hold rigidly; those mates are removed."""
     absorbed: Mapping[MateKey, Absorbed]
-    """By key, mates that are gone but still move."""
+    """Key of each mate that another mate replaces → how the other mate moves it."""
 
 
 @dataclass(slots=True)
@@ -74,7 +79,7 @@ class _Work:
     absorbed: dict[MateKey, Absorbed]
 
 
-def combined(
+def combine_mates(
     mates: Sequence[Mate], assembly: Assembly, body_of: Mapping[Path, int], log: Diagnostics
 ) -> CombinedMates:
     """Combines the mates between different bodies, two bodies at a time.
@@ -100,18 +105,18 @@ def combined(
             or not _join(views, work)
         ):
             work.mates.extend(group)
-    log.add(diagnostic for diagnostic in work.log.found if not work.welds or diagnostic.code == RIGID)
+    log.add(diagnostic for diagnostic in work.log.found if not work.welds or diagnostic.code == RIGID_CODE)
     return CombinedMates(tuple(work.mates), tuple(work.welds), work.absorbed)
 
 
 def _join(views: Sequence[MateView], work: _Work) -> bool:
-    """Replaces several mates by a single mate or a weld; False where neither describes their common
+    """Replaces several mates by a single mate or a weld; returns False if neither describes their common
     motion."""
     centre, size = extent(views)
     groups = [mate_view for mate_view in views if mate_view.mate.ref.type != "PIN_SLOT"]
     slots = [mate_view for mate_view in views if mate_view.mate.ref.type == "PIN_SLOT"]
     shared = intersection([span(twist_columns(mate_view, centre, size)) for mate_view in groups])
-    alike = [
+    equal_views = [
         mate_view for mate_view in groups if len(twist_columns(mate_view, centre, size).T) == shared.shape[1]
     ]
     if (
@@ -119,21 +124,27 @@ def _join(views: Sequence[MateView], work: _Work) -> bool:
         and is_within(span(twist_columns(slots[0], centre, size)), shared)
         and _same_slot(slots, centre, size)
     ):
-        alike = slots
+        equal_views = slots
     elif not all(_slot_allows(slot, shared, centre, size) for slot in slots):
         return False
-    elif shared.shape[1] == 0 and not alike:
+    elif shared.shape[1] == 0 and not equal_views:
         _weld(views, work)
         return True
-    if alike:
-        _absorb(alike[0], [mate_view for mate_view in views if mate_view is not alike[0]], views, size, work)
+    if equal_views:
+        _absorb(
+            equal_views[0],
+            [mate_view for mate_view in views if mate_view is not equal_views[0]],
+            views,
+            size,
+            work,
+        )
     elif shared.shape[1] == 1:
         _absorb(_single_motion(views, shared[:, 0], centre, size, work.assembly), views, views, size, work)
-    return bool(alike) or shared.shape[1] == 1
+    return bool(equal_views) or shared.shape[1] == 1
 
 
 def _same_slot(slots: Sequence[MateView], centre: Array, size: float) -> bool:
-    """Returns whether PIN_SLOTs are equivalent: pins on the same axis, slots along the same line of the same
+    """Tells whether PIN_SLOTs are equivalent: pins on the same axis, slots along the same line of the same
     body.
 
     Equal twists are not enough: pins side by side, across their slots, have them too.
@@ -147,8 +158,8 @@ def _same_slot(slots: Sequence[MateView], centre: Array, size: float) -> bool:
 
 
 def _slot_allows(slot: MateView, shared: Array, centre: Array, size: float) -> bool:
-    """Returns whether a PIN_SLOT, whose motions are no subgroup, allows these motions everywhere: the slide
-    alone, or the turn alone, or no motion."""
+    """Tells whether a PIN_SLOT, whose motions are not a group, allows the `shared` motions at every pose:
+    only the slide, only the turn, or no motion."""
     return any(is_within(shared, span(column[:, None])) for column in twist_columns(slot, centre, size).T)
 
 
@@ -156,8 +167,8 @@ def _weld(views: Sequence[MateView], work: _Work) -> None:
     first, second = views[0].mate.entities
     work.welds.append((first.path, second.path))
     work.log.report(
-        RIGID,
-        f"{_mate_list(views)} join the same two bodies, and together they leave them no motion",
+        RIGID_CODE,
+        f"{_titles(views)} join the same two bodies, and together they leave them no motion",
         views[0].mate.title,
         "if they should move against each other, suppress the redundant mate",
     )
@@ -185,8 +196,8 @@ def _revolute(views: Sequence[MateView], axis: Array, point: Array, assembly: As
     if turns:
         sign = math.copysign(1.0, sides[1][2])
     else:
-        away = [axis @ (mate_view.second[:3, 3] - source.second[:3, 3]) for mate_view in views]
-        sign = math.copysign(1.0, next(distance for distance in away if abs(distance) > ANGLE_TOLERANCE))
+        offsets = [axis @ (mate_view.second[:3, 3] - source.second[:3, 3]) for mate_view in views]
+        sign = math.copysign(1.0, next(distance for distance in offsets if abs(distance) > ANGLE_TOLERANCE))
         sign = -sign if source.mirrored else sign
     # The x axis of both frames is nearest to this axis, so that neither x is along z.
     reference = int(np.argmin(np.round(np.max(np.abs(sides), axis=0), 6)))
@@ -244,44 +255,44 @@ def _replacement(mate_view: MateView, kind: str, frames: Sequence[Array], assemb
 
 
 def _absorb(
-    into: MateView, absorbed: Sequence[MateView], views: Sequence[MateView], size: float, work: _Work
+    remaining: MateView, absorbed: Sequence[MateView], views: Sequence[MateView], size: float, work: _Work
 ) -> None:
-    """Replaces all mates by `into`, with their limits where these bound one of its coordinates."""
-    limits = [dof.limits for dof in into.dofs]
+    """Replaces the mates `absorbed` by `remaining`, which gets their limits as far as they limit its dofs."""
+    limits = [dof.limits for dof in remaining.dofs]
     for mate_view in absorbed:
-        moved: dict[str, tuple[str, float]] = {}
+        moved_dofs: dict[str, tuple[str, float]] = {}
         values = coordinates(mate_view, np.eye(4))
         for value, dof, coupling in zip(
-            values, mate_view.dofs, coordinate_couplings(mate_view, into, size), strict=True
+            values, mate_view.dofs, coordinate_couplings(mate_view, remaining, size), strict=True
         ):
             if coupling is not None and coupling.factor:
-                moved[dof.name] = into.dofs[coupling.onto].name, coupling.factor
+                moved_dofs[dof.name] = remaining.dofs[coupling.dof_index].name, coupling.factor
             try:
-                limits = narrowed(limits, into, coupling, dof, float(value))
+                limits = narrow_limits(limits, remaining, coupling, dof, float(value))
             except LimitLost as lost:
-                _report_lost(mate_view, into, dof.name, str(lost), work.log)
-        work.absorbed[mate_view.mate.ref.key] = Absorbed(into.mate.ref.key, moved)
-    origin = into.mate.limit_origin
+                _report_lost(mate_view, remaining, dof.name, str(lost), work.log)
+        work.absorbed[mate_view.mate.ref.key] = Absorbed(remaining.mate.ref.key, moved_dofs)
+    origin = remaining.mate.limit_origin
     for mate_view in absorbed:
         origin = origin.with_those_of(mate_view.mate.title, mate_view.mate.limit_origin)
-    work.mates.append(limited(into, limits, origin))
-    word = JOINT_TYPES[into.mate.ref.type]
+    work.mates.append(with_dof_limits(remaining, limits, origin))
+    word = JOINT_TYPES[remaining.mate.ref.type]
     work.log.report(
         "I-COMPOSED",
-        f"{_mate_list(views)} join the same two bodies: together they are one {word} joint",
-        into.mate.title,
+        f"{_titles(views)} join the same two bodies: together they are one {word} joint",
+        remaining.mate.title,
     )
 
 
-def _report_lost(mate_view: MateView, into: MateView, suffix: str, why: str, log: Diagnostics) -> None:
+def _report_lost(mate_view: MateView, remaining: MateView, suffix: str, why: str, log: Diagnostics) -> None:
     coordinate = suffix.strip("_") or JOINT_TYPES[mate_view.mate.ref.type]
     log.report(
         "W-LIMIT-LOST",
-        f"{into.mate.title} replaces this mate, and cannot keep the limits of its {coordinate}: {why}",
+        f"{remaining.mate.title} replaces this mate, and cannot keep the limits of its {coordinate}: {why}",
         mate_view.mate.title,
-        f"set limits on {into.mate.title}",
+        f"set limits on {remaining.mate.title}",
     )
 
 
-def _mate_list(views: Sequence[MateView]) -> str:
+def _titles(views: Sequence[MateView]) -> str:
     return ", ".join(mate_view.mate.title for mate_view in views)

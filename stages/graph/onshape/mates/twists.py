@@ -5,7 +5,7 @@ several mates between the same two bodies are a subgroup too, and its Lie algebr
 theirs: an intersection of twists at the saved pose holds at every pose (Hervé, "Analyse structurelle des
 mécanismes par groupe des déplacements", 1978).
 
-Twists are (turn, shift) (6,) in the world: the shift of a `centre`, over a length `size` [m].
+Twists (6,) are a turn [rad] and a shift in the world: the shift of the point `centre`, divided by `size` [m].
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ ANGLE_TOLERANCE = 1e-7
 """Smallest angle [rad] between different directions or twists: CAD's frames are exact."""
 
 MIN_EXTENT = 1e-3
-"""Smallest length [m] that twists are measured on: points nearer than 1e-10 m count as the same."""
+"""Smallest `size` [m]: with `ANGLE_TOLERANCE`, points nearer than 1e-10 m count as the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ class MateView:
     mirrored: bool
     """Whether both frames are mirrored in CAD."""
     dofs: tuple[Dof, ...]
-    """From the second entity to the first, named by their suffixes alone."""
+    """Dofs from the second entity to the first; their names are only the suffixes."""
 
     @property
     def saved(self) -> tuple[Value, ...]:
@@ -101,17 +101,17 @@ def span(twists: Array) -> Array:
 
 
 def intersection(spaces: Sequence[Array]) -> Array:
-    """Returns an orthonormal basis (6, m) of the intersection of subspaces, each a basis (6, n); of all
-    twists without any subspaces."""
+    """Returns an orthonormal basis (6, m) of the intersection of subspaces, each given by a basis (6, n); a
+    basis of all twists if there are no subspaces."""
     if not spaces:
         return np.eye(6)
     # A twist is in every subspace if all projections onto their complements take it to zero.
-    barred = np.concatenate([np.eye(6) - space @ space.T for space in spaces])
-    _, sizes, directions = np.linalg.svd(barred)
+    complements = np.concatenate([np.eye(6) - space @ space.T for space in spaces])
+    _, sizes, directions = np.linalg.svd(complements)
     return np.asarray(directions[int((sizes > ANGLE_TOLERANCE).sum()) :].T)
 
 
 def is_within(inner: Array, outer: Array) -> bool:
-    """Returns whether a subspace (6, n) is in another, both as orthonormal bases."""
-    outside = inner - outer @ (outer.T @ inner)
-    return bool(np.linalg.norm(outside, axis=0).max(initial=0.0) < 10 * ANGLE_TOLERANCE)
+    """Tells whether the subspace `inner` (6, n) is in `outer` (6, m), both as orthonormal bases."""
+    remainder = inner - outer @ (outer.T @ inner)
+    return bool(np.linalg.norm(remainder, axis=0).max(initial=0.0) < 10 * ANGLE_TOLERANCE)

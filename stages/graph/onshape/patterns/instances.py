@@ -4,7 +4,7 @@ Onshape gives copies no mates of their own. With S the motion or reflection that
 copy at the saved pose, a mate of the seed becomes a mate of the copy: on the side of the seed it joins
 the copy at the same place, moved by S; its other side stays on its occurrence, with its frame moved by S.
 A copy that is a sub-assembly of mirror-image parts has no mates inside: it gets those inside its seed.
-A mate by which the seed carries something is not repeated (`carried`).
+A mate by which the seed carries something is not copied (see `carried`).
 """
 
 import re
@@ -30,22 +30,22 @@ from linkwright.stages.robot.text.plural import count
 
 @dataclass(frozen=True, slots=True)
 class _Image:
-    """A feature on the `number`-th copies of a series."""
+    """A feature, moved to the `number`-th copies of a series."""
 
     series: Series
     number: int
     copy: Path
-    """The first copy that it acts for."""
+    """The first copy for which the feature is made."""
     places: tuple[Path, ...]
-    """Its places on the copies."""
+    """Paths of the occurrences that the moved feature connects."""
     copies: tuple[Path, ...]
-    """The copy that each place is in; () for none."""
-    fresh: frozenset[Path]
-    """All copies that it acts for."""
+    """The copy that contains each place; () if no copy does."""
+    target_copies: frozenset[Path]
+    """All copies for which the feature is made."""
 
     @property
     def inside(self) -> bool:
-        """Whether each of its places is on a copy."""
+        """Whether each place is on a copy."""
         return all(self.copies)
 
 
@@ -60,8 +60,8 @@ def with_copies(assembly: Assembly, keys: GraphSections, solids: PartSolids, log
     """
     planes = MirrorPlanes(assembly, solids, keys.mirrors, log)
     patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
-    for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
-        assembly = _with_copies_of(list(level), assembly, planes, keys, log)
+    for _, same_depth_patterns in groupby(patterns, key=lambda pattern: len(pattern.owner)):
+        assembly = _with_copies_of(list(same_depth_patterns), assembly, planes, keys, log)
     return assembly
 
 
@@ -77,12 +77,13 @@ def _with_copies_of(
     mirror = keys.mirror
     copier = _Copier(assembly, series_of(assembly, patterns, rigid, planes, log), log)
     copied_mates = [copy for mate in assembly.mates for copy in copier.mates(mate)]
-    grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
-    mates, groups = [mate for mate, _ in copied_mates], [group for group, _ in grouped]
+    copied_groups = [copy for group in assembly.groups for copy in copier.groups(group)]
+    mates, groups = [mate for mate, _ in copied_mates], [group for group, _ in copied_groups]
     stiff = assembly.stiff
     if mirror == "weld":
         mates = [
-            copier.welded(mate) for mate in _holding_mates(copied_mates, [image for _, image in grouped])
+            copier.welded(mate)
+            for mate in _holding_mates(copied_mates, [image for _, image in copied_groups])
         ]
         free = {path for series in copier.series for path in series.free}
         stiff |= {path for path in free if not assembly.occurrences[path].is_part}
@@ -106,53 +107,55 @@ class _Copier:
         waiting: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
         copied: set[Path] = set()
         owner, rigid = mate.ref.owner, mate.ref.type == "FASTENED"
-        for source, fresh in waiting:
+        for source, target_copies in waiting:
             feature = Feature(mate.title, tuple(e.path for e in source.entities), rigid)
-            for image in self._images(owner, feature, fresh):
+            for image in self._images(owner, feature, target_copies):
                 if image.copy in copied:
                     continue
                 copied.add(image.copy)
                 if not rigid:
                     image.series.joints += 1
-                    image.series.served |= image.fresh
+                    image.series.served |= image.target_copies
                     self.repeated.add((mate.ref.owner, mate.ref.feature))
                 copy = self._mate(mate.ref.name, source, image)
-                waiting.append((copy, image.fresh))
+                waiting.append((copy, image.target_copies))
                 yield copy, image
 
     def groups(self, group: MateGroup) -> Iterator[tuple[MateGroup, _Image]]:
         """Yields the copies of a mate group, those of its copies included."""
         waiting: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
         copied: set[Path] = set()
-        for source, fresh in waiting:
+        for source, target_copies in waiting:
             feature = Feature(group.title, tuple(source.members), True)
-            for image in self._images(group.owner, feature, fresh):
+            for image in self._images(group.owner, feature, target_copies):
                 if image.copy not in copied:
                     copied.add(image.copy)
                     copy = MateGroup(group.owner, group.title, image.places)
-                    waiting.append((copy, image.fresh))
+                    waiting.append((copy, image.target_copies))
                     yield copy, image
 
-    def _images(self, owner: Path, feature: Feature, fresh: frozenset[Path] | None) -> Iterator[_Image]:
+    def _images(
+        self, owner: Path, feature: Feature, target_copies: frozenset[Path] | None
+    ) -> Iterator[_Image]:
         """Yields the images of a feature: an image for each copy of each pattern whose seeds it touches.
 
-        `fresh`: of a feature that is a copy itself, the instances that it was moved to; only these
+        `target_copies`: of a feature that is a copy itself, the instances that it was moved to; only these
         lead on to further copies.
         """
-        touched: dict[int, tuple[Series, dict[int, Path]]] = {}
+        seeds_by_series: dict[int, tuple[Series, dict[int, Path]]] = {}
         for index, place in enumerate(feature.occurrences):
             for depth in range(len(owner) + 1, len(place) + 1):
                 seed = place[:depth]
-                if fresh is None or seed in fresh:
+                if target_copies is None or seed in target_copies:
                     for series in self.by_seed.get(seed, ()):
                         if series.repeats(owner):
-                            touched.setdefault(id(series), (series, {}))[1].setdefault(index, seed)
-        for series, seeds in touched.values():
+                            seeds_by_series.setdefault(id(series), (series, {}))[1].setdefault(index, seed)
+        for series, seeds in seeds_by_series.values():
             for number in range(max(len(series.pattern.copies[seed]) for seed in seeds.values())):
                 image = self._image(series, number, feature, seeds)
                 if image is not None:
                     yield image
-        if fresh is None:
+        if target_copies is None:
             yield from self._inner_images(owner, feature)
 
     def _inner_images(self, owner: Path, feature: Feature) -> Iterator[_Image]:
@@ -186,8 +189,8 @@ class _Copier:
         }
         if partners & support.dependents:
             return None
-        movers = [pair for pair in copies.values() if pair[1] in series.free]
-        if not movers or any(copy not in series.images for _, copy in copies.values()):
+        target_pairs = [pair for pair in copies.values() if pair[1] in series.free]
+        if not target_pairs or any(copy not in series.images for _, copy in copies.values()):
             return None
         if partners and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
             series.carried.add(feature.title)
@@ -196,8 +199,8 @@ class _Copier:
         if moved is None:
             return None
         on_copies = tuple(copies[index][1] if index in copies else () for index in range(len(places)))
-        fresh = frozenset(copy for _, copy in movers)
-        return _Image(series, number, movers[0][1], moved, on_copies, fresh)
+        target_copies = frozenset(copy for _, copy in target_pairs)
+        return _Image(series, number, target_pairs[0][1], moved, on_copies, target_copies)
 
     def _moved_places(
         self, series: Series, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
@@ -294,15 +297,15 @@ def _holding_mates(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image
     rest: Path = ()
     fixed = nx.utils.UnionFind([rest])
     for image in groups:
-        fixed.union(*image.fresh, *(() if image.inside else (rest,)))
+        fixed.union(*image.target_copies, *(() if image.inside else (rest,)))
 
-    def late(copy: tuple[Mate, _Image]) -> tuple[object, ...]:
+    def weld_order(copy: tuple[Mate, _Image]) -> tuple[object, ...]:
         mate, image = copy
         return mate.ref.type != "FASTENED", not image.inside, mate.title, mate.key
 
     chosen = []
-    for mate, image in sorted(mates, key=late):
+    for mate, image in sorted(mates, key=weld_order):
         if mate.ref.type == "FASTENED" or image.inside or fixed[image.copy] != fixed[rest]:
-            fixed.union(*image.fresh, *(() if image.inside else (rest,)))
+            fixed.union(*image.target_copies, *(() if image.inside else (rest,)))
             chosen.append(mate)
     return chosen

@@ -28,9 +28,9 @@ MIN_CENTRE_DISTANCE = 0.01
 nearer centres has no certain direction."""
 
 MAX_PLANE_PAIRS = 8
-"""Largest number of pairs whose middle planes are tried: those farthest apart."""
+"""Largest number of pairs whose middle planes are tried: the pairs whose centres are farthest apart."""
 
-SEED_PART = ("type", "documentId", "elementId", "partId")
+PART_FIELDS = ("type", "documentId", "elementId", "partId")
 """The fields of an instance that identify its part or sub-assembly."""
 
 Pair = tuple[Path, Path]
@@ -47,10 +47,10 @@ class Image:
     motion: Array
     """Motion (4, 4) of the world at the saved pose from the seed to the copy; it may reflect."""
     by_transform: bool = False
-    """Whether the motion is that of the instance, so that frames on the seed are the same frames on the
-    copy."""
+    """Whether the motion follows from the transforms of both instances, so that a frame in the seed is the
+    same frame in the copy."""
     leaves: Mapping[Path, Path] | None = None
-    """Parts of the seed → parts of the copy, if these are other parts; else None."""
+    """Path of each part of the seed → path of its image in the copy; None if the copy has the same parts."""
 
     @property
     def reflects(self) -> bool:
@@ -68,7 +68,7 @@ class MirrorPlanes:
         titles = sorted({pattern.title for pattern in assembly.patterns if pattern.mirrors})
         entries = entries_of([{title} for title in titles], sections, "mirrors", "mirror", log)
         planes = list(sections.values())
-        self.typed = {
+        self.user_planes = {
             title: planes[indices[-1]] for title, indices in zip(titles, entries, strict=True) if indices
         }
 
@@ -105,7 +105,7 @@ class MirrorPlanes:
         images: dict[Path, Image] = {}
         for seed, copy in doubtful:
             leaves = self._leaves(seed, copy, reflection)
-            if leaves is None and copy not in known_images and pattern.title in self.typed:
+            if leaves is None and copy not in known_images and pattern.title in self.user_planes:
                 leaves = self._user_image(pattern, seed, copy, reflection)
             if leaves is not None:
                 images[copy] = Image(reflection, leaves=None if self._same_part(seed, copy) else leaves)
@@ -123,9 +123,9 @@ class MirrorPlanes:
         return Image(frozen(world_from_copy @ inverse(world_from_seed)), by_transform=True)
 
     def _same_part(self, seed: Path, copy: Path) -> bool:
-        """Returns whether both are instances of the same part, or of the same sub-assembly."""
+        """Tells whether both are instances of the same part, or of the same sub-assembly."""
         first, second = (self.assembly.occurrences[path].record for path in (seed, copy))
-        return all(first.get(key) == second.get(key) for key in SEED_PART)
+        return all(first.get(key) == second.get(key) for key in PART_FIELDS)
 
     def _reflection(
         self, pattern: Pattern, pairs: Sequence[Pair], known_images: Mapping[Path, Image]
@@ -137,19 +137,19 @@ class MirrorPlanes:
         def in_world(plane: Plane) -> Array:
             return frozen(world_from_owner @ _reflection_at(plane) @ inverse(world_from_owner))
 
-        if pattern.title in self.typed:
-            user_plane = self.typed[pattern.title]
+        if pattern.title in self.user_planes:
+            user_plane = self.user_planes[pattern.title]
             return in_world((np.array(user_plane.normal), np.array(user_plane.xyz)))
         for _, copy in pairs:
             if copy in known_images and known_images[copy].reflects:
                 return known_images[copy].motion
-        middles = [(*middle, pair) for pair in pairs if (middle := self._middle(pattern.owner, pair))]
-        middles = sorted(middles, key=lambda middle: -middle[1])[:MAX_PLANE_PAIRS]
+        middle_planes = [(*middle, pair) for pair in pairs if (middle := self._middle(pattern.owner, pair))]
+        middle_planes = sorted(middle_planes, key=lambda middle: -middle[1])[:MAX_PLANE_PAIRS]
         # The planes of the assembly's own axes come first, since they are exact.
-        planes = [(axis, np.zeros(3)) for axis in np.eye(3)] + [plane for plane, _, _ in middles]
+        planes = [(axis, np.zeros(3)) for axis in np.eye(3)] + [plane for plane, _, _ in middle_planes]
         candidates = [in_world(plane) for plane in planes]
         explained = [
-            sum(self._leaves(*pair, candidate) is not None for _, _, pair in middles)
+            sum(self._leaves(*pair, candidate) is not None for _, _, pair in middle_planes)
             for candidate in candidates
         ]
         best = max(explained)
@@ -229,8 +229,8 @@ class MirrorPlanes:
 def _reflection_at(plane: Plane) -> Array:
     """Returns the reflection (4, 4) at a plane: x − 2 n nᵀ (x − p), with n its unit normal."""
     normal, point = plane
-    doubled = 2 * np.outer(normal, normal) / (normal @ normal)
-    return from_parts(np.eye(3) - doubled, doubled @ point)
+    twice_projection = 2 * np.outer(normal, normal) / (normal @ normal)
+    return from_parts(np.eye(3) - twice_projection, twice_projection @ point)
 
 
 def _plane_of(reflection: Array) -> str:

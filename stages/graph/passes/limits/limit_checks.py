@@ -12,7 +12,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Loop, Robot, Value
 from linkwright.stages.robot.motion.loops import POINTWISE
-from linkwright.stages.robot.text.globs import matches_glob, yaml_key
+from linkwright.stages.robot.text.globs import yaml_key, matches_glob
 
 LOCKED_PLAY = 1e-6
 """Half the range [rad or m] of a dof whose limits are equal: to MuJoCo an empty range means no limit."""
@@ -54,15 +54,19 @@ def check_limits(
     `sections`, `added`: the keys `joints` and `links`; limits that they leave open are open on purpose.
     `has_saved_pose`: whether the source is an assembly with a saved pose.
     """
-    decided = [glob for glob, keys in (sections or {}).items() if keys.limits is not None]
-    decided += [joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})]
-    _report_missing(robot, decided, log, has_saved_pose)
-    idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
-    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _check_dof(dof, log, has_saved_pose))
+    decided_globs = [glob for glob, keys in (sections or {}).items() if keys.limits is not None]
+    decided_globs += [
+        joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})
+    ]
+    _report_missing(robot, decided_globs, log, has_saved_pose)
+    unenforced_dofs = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
+    return with_each_dof(
+        robot, lambda dof: dof if dof.name in unenforced_dofs else _check_dof(dof, log, has_saved_pose)
+    )
 
 
 def _decides(joint: Joint, added: Mapping[str, AddedLinkSection]) -> bool:
-    """Returns whether an added link's own keys give its joint's limits."""
+    """Tells whether the keys of an added link decide the limits of its joint."""
     keys = added.get(joint.child)
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
@@ -80,36 +84,39 @@ def report_loop_limits(robot: Robot, log: Diagnostics) -> None:
                 log.report("W-LOOP-LIMIT", text, dof.name, hint)
 
 
-def _report_missing(robot: Robot, decided: Sequence[str], log: Diagnostics, has_saved_pose: bool) -> None:
-    """Reports W-LIMIT for every dof of the tree without limits; the last has a block of YAML for all of them.
-
-    A follower is bounded by its driver.
+def _report_missing(
+    robot: Robot, decided_globs: Sequence[str], log: Diagnostics, has_saved_pose: bool
+) -> None:
+    """Reports W-LIMIT for every dof of the tree without limits; the last report has a block of YAML for all
+    of them. Followers are not reported, since their drivers limit them.
     """
     followers = {relation.follower for relation in robot.relations}
-    lacking: list[tuple[Joint, Dof, str]] = []
+    unlimited_dofs: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
             if (
                 dof.kind == "free"
                 or _is_endless(joint)
-                or any(matches_glob(dof.name, glob) for glob in decided)
+                or any(matches_glob(dof.name, glob) for glob in decided_globs)
             ):
                 continue
             if dof.limits.origin.unknown:
-                lacking.append((joint, dof, f"its limits in CAD are unknown: {dof.limits.origin.unknown}"))
+                unlimited_dofs.append(
+                    (joint, dof, f"its limits in CAD are unknown: {dof.limits.origin.unknown}")
+                )
             elif dof.kind != "ball" and dof.limits == Limits() and dof.name not in followers:
                 freely = ": it turns freely" if dof.kind == "turn" else ""
-                lacking.append((joint, dof, f"the joint has no limits{freely}"))
-    for joint, dof, text in lacking:
+                unlimited_dofs.append((joint, dof, f"the joint has no limits{freely}"))
+    for joint, dof, text in unlimited_dofs:
         hint = f"set them {'on the mate' if has_saved_pose else 'in the file'}, or " if joint.mate else ""
         hint += _limits_entry(dof)
-        if len(lacking) > 1 and dof is lacking[-1][1]:
-            hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
+        if len(unlimited_dofs) > 1 and dof is unlimited_dofs[-1][1]:
+            hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in unlimited_dofs])}"
         log.report("W-LIMIT", text, dof.name, hint)
 
 
 def _is_endless(joint: Joint) -> bool:
-    """Returns whether its source declares that it has no limits, as a URDF's continuous joint does."""
+    """Tells whether the source declares that a joint has no limits, as a URDF does for a continuous joint."""
     return joint.mate is not None and joint.mate.type in ("continuous", "planar")
 
 
@@ -121,11 +128,11 @@ def _limits_entry(dof: Dof, values: str = "low, high") -> str:
 def _block(dofs: Sequence[Dof]) -> str:
     """Returns YAML that keeps the limits of these dofs as they are."""
 
-    def text(end: float | None) -> str:
+    def end_text(end: float | None) -> str:
         return "null" if end is None else f"{end:.9g}"
 
     lines = [
-        f"  {yaml_key(dof.name)}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}"
+        f"  {yaml_key(dof.name)}: {{limits: [{end_text(dof.limits.lower)}, {end_text(dof.limits.upper)}]}}"
         f"  # {UNITS[dof.kind]}"
         for dof in dofs
     ]
@@ -158,7 +165,7 @@ def _check_dof(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
 
 
 def limited_quantity(value: Value) -> float | None:
-    """Returns the quantity that limits bound: for a turn or slide the value itself; for a ball the angle
+    """Returns the quantity to which limits apply: for a turn or slide the value itself; for a ball the angle
     [rad] between the z axes before and after, 2 asin √(x² + y²). Returns None for free motion."""
     if isinstance(value, float):
         return value

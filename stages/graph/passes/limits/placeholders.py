@@ -1,4 +1,4 @@
-"""Removes placeholder limits: a URDF must give numbers, even where nobody knows them."""
+"""Removes placeholder limits: a URDF must have numbers, even if nobody knows them."""
 
 import math
 from collections.abc import Mapping
@@ -27,13 +27,13 @@ def without_placeholders(robot: Robot, log: Diagnostics) -> Robot:
     reports them all (W-URDF-PLACEHOLDER). It applies only where the source's format demands numbers."""
     dofs_by_change: dict[str, list[str]] = {}
 
-    def checked(dof: Dof) -> Dof:
-        freed = _without_placeholders(dof)
-        for text in _changes(dof, freed):
+    def record_changes(dof: Dof) -> Dof:
+        cleaned_dof = _without_placeholders(dof)
+        for text in _changes(dof, cleaned_dof):
             dofs_by_change.setdefault(text, []).append(dof.name)
-        return freed
+        return cleaned_dof
 
-    robot = with_each_dof(robot, checked)
+    robot = with_each_dof(robot, record_changes)
     if dofs_by_change:
         text = "; ".join(f"{change} ({name_list(names)})" for change, names in dofs_by_change.items())
         names = {name for joints in dofs_by_change.values() for name in joints}
@@ -73,9 +73,11 @@ def _open_limits(dof: Dof) -> Limits:
     )
 
 
-def _is_round(value: float | None, least: float) -> bool:
-    """Returns whether a value is a power of ten from `least` on."""
-    return value is not None and value >= least and math.isclose(math.log10(value) % 1.0, 0.0, abs_tol=1e-12)
+def _is_round(value: float | None, smallest: float) -> bool:
+    """Tells whether a value is a power of ten, and at least `smallest`."""
+    return (
+        value is not None and value >= smallest and math.isclose(math.log10(value) % 1.0, 0.0, abs_tol=1e-12)
+    )
 
 
 def _changes(old: Dof, new: Dof) -> list[str]:

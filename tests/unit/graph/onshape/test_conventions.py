@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.graph.onshape.definition import read_assembly
-from linkwright.stages.graph.onshape.onshape_to_robot import translated
+from linkwright.stages.graph.onshape.onshape_to_robot import translate_names
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Limits
@@ -73,7 +73,7 @@ def read(kit, **keys):
     """What a document is in our own terms."""
     log, bundle = Diagnostics(), bundle_of(kit.document)
     assembly = read_assembly(bundle.body(bundle.definition))
-    assembly, sections = translated(assembly, GraphSections.model_validate(keys), log)
+    assembly, sections = translate_names(assembly, GraphSections.model_validate(keys), log)
     return assembly, sections, log
 
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from linkwright.stages.graph.dofs import value_in
 from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
 from linkwright.stages.graph.onshape.mates.joints import dofs_of, freedoms_of, right_handed
-from linkwright.stages.graph.onshape.mates.parallel import combined
+from linkwright.stages.graph.onshape.mates.parallel import combine_mates
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_quat, turn
 from linkwright.stages.robot.model.robot import MateRef, frozen
@@ -69,7 +69,7 @@ class Pair:
 
     def combined(self):
         log = Diagnostics()
-        made = combined(self.mates, self.assembly, BODY_OF, log)
+        made = combine_mates(self.mates, self.assembly, BODY_OF, log)
         assert not log.problems
         return made, sorted(note.code for note in log.found)
 
@@ -352,7 +352,7 @@ def test_three_slides_hold_rigidly_though_each_two_slide():
     made, codes = pair.combined()
     assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
     for pick in combinations(pair.mates, 2):
-        assert combined(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
+        assert combine_mates(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
 
 
 @pytest.mark.parametrize("recipe", [name for name in RECIPES if "-" not in TURNED[name]])

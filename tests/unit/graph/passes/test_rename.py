@@ -5,7 +5,7 @@ import pytest
 
 from linkwright.stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
 from linkwright.stages.graph.onshape.mates.joints import dofs_of
-from linkwright.stages.graph.passes.rename import renamed
+from linkwright.stages.graph.passes.rename import rename_mechanism
 from linkwright.stages.graph.section import NamesSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import MateRef, Provenance
@@ -45,7 +45,7 @@ MECHANISM = Mechanism(
 
 def called(links=None, joints=None):
     log = Diagnostics()
-    return renamed(MECHANISM, NamesSection(links=links or {}, joints=joints or {}), log), log
+    return rename_mechanism(MECHANISM, NamesSection(links=links or {}, joints=joints or {}), log), log
 
 
 def names_after(**names):
