@@ -16,7 +16,7 @@ from linkwright.pipeline.stages.context import FILES, ROBOT
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.system.install import installed
 from linkwright.stages.show.live import NEVER_READ, VERSION, source_of
-from linkwright.stages.show.live.pack import unpacked
+from linkwright.stages.show.live.pack import read_pack
 from linkwright.stages.show.live.viewer import engine_script
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _view_files(
                 # MuJoCo's message may name the folder.
                 return {_REFUSED: str(error).replace(str(folder), "").strip().encode()}
         say(f"the view of the robot took {time.perf_counter() - start:.1f} s, {len(pack) / 1e6:.2f} MB")
-        return {_PACK if unpacked(pack)[0]["engine"] else _POSED: pack}
+        return {_PACK if read_pack(pack)[0]["engine"] else _POSED: pack}
 
     inputs = {path: exported.digests[path] for path in needed}
     inputs |= {"robot": context.files["graph"].digests[ROBOT], "colliders": sha256(canonical(colliders))}

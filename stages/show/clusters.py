@@ -16,7 +16,7 @@ def cell_means(
     """
     shape = cells.max(axis=0) + 1
     keys = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
-    _, index, count = np.unique(keys, return_inverse=True, return_counts=True)
-    index = index.reshape(-1)
-    means = np.stack([np.bincount(index, points[:, axis]) / count for axis in range(3)], axis=1)
-    return means, index
+    _, mean_indices, count = np.unique(keys, return_inverse=True, return_counts=True)
+    mean_indices = mean_indices.reshape(-1)
+    means = np.stack([np.bincount(mean_indices, points[:, axis]) / count for axis in range(3)], axis=1)
+    return means, mean_indices

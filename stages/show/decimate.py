@@ -1,9 +1,9 @@
-"""Simplifies a surface, and keeps its colours and the borders between them together.
+"""Simplifies a surface, and keeps the borders between its colours closed.
 
 It uses manifold3d because of measurements: fast-simplification leaves three to five times as many of CAD's
-long thin triangles, and moves the surface two to eight times as far. manifold3d takes closed
-manifolds only: every other mesh is cut along its bad edges, and each border is closed by a cone of triangles,
-which is removed afterwards.
+long thin triangles, and moves the surface two to eight times as far. manifold3d takes closed manifolds only:
+every other mesh is cut along its bad edges, and each border is closed by a cone of triangles, which is
+removed afterwards.
 """
 
 import math
@@ -24,11 +24,11 @@ SNAP = 1e-6
 """Step to whose multiples coordinates are rounded, as a share of the part's diagonal: the last digits of a
 simplification may differ between processors."""
 
-_NEXT = np.array([1, 2, 0])
+_NEXT_CORNERS = np.array([1, 2, 0])
 """The next corner of a triangle after each corner."""
 
 _KEPT_SHARE = 0.7
-"""Usual share of the triangles that the next higher level keeps."""
+"""Share of the triangles that the next higher level usually keeps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,13 +37,13 @@ class Simplifiable:
 
     surface: Surface
     colours: int
-    """The number of colours."""
+    """Number of colours."""
 
     body: "Manifold | None"
     """The manifold; None if the surface cannot be simplified."""
 
     first: int = 0
-    """The manifold's id of the first colour; the ids of the other colours follow."""
+    """Id of the first colour in the manifold library; the ids of the other colours follow."""
 
     @staticmethod
     def of(surface: Surface, colour_of: npt.NDArray[np.int64], colours: int = 1) -> "Simplifiable":
@@ -69,8 +69,9 @@ class Simplifiable:
         return Simplifiable(surface, colours, body if body.status() == Error.NoError else None, first)
 
     def simplified(self, tolerance: float) -> tuple[Surface, npt.NDArray[np.int64]] | None:
-        """Returns the surface, moved by about `tolerance` [m] at most, and the colour of each of its
-        triangles; None if it cannot be simplified. A border between two colours stays a common line of both.
+        """Returns the simplified surface, moved by about `tolerance` [m] at most, and the colour of each of
+        its triangles; None if it cannot be simplified. A border between two colours stays a common line of
+        both.
         """
         if self.body is None:
             return None
@@ -79,14 +80,14 @@ class Simplifiable:
         ends = np.asarray(mesh.run_index, dtype=np.int64)
         lengths = (ends[1:] - ends[:-1]) // 3
         colours = np.repeat(np.asarray(mesh.run_original_id).astype(np.int64) - self.first, lengths)
-        of_surface = np.flatnonzero(colours < self.colours)
-        vertices = _snapped(np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], self.surface)
-        surface, kept_triangles = weld(vertices, corners[of_surface])
-        return (surface, colours[of_surface][kept_triangles]) if len(surface.triangles) else None
+        triangles_of_surface = np.flatnonzero(colours < self.colours)
+        vertices = _rounded(np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], self.surface)
+        surface, kept_triangles = weld(vertices, corners[triangles_of_surface])
+        return (surface, colours[triangles_of_surface][kept_triangles]) if len(surface.triangles) else None
 
 
-def _snapped(points: Points, like: Surface) -> Points:
-    step = SNAP * float(np.linalg.norm(np.ptp(like.vertices, axis=0)))
+def _rounded(points: Points, surface: Surface) -> Points:
+    step = SNAP * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     return np.asarray(np.round(points / step) * step + 0.0, dtype=np.float64) if step else points
 
 
@@ -109,7 +110,7 @@ def _closed(surface: Surface) -> tuple[Points, Triangles, npt.NDArray[np.int64]]
 
 def _is_manifold(surface: Surface) -> bool:
     """Tells whether each edge has exactly one triangle on either side."""
-    starts, ends = surface.triangles.ravel(), surface.triangles[:, _NEXT].ravel()
+    starts, ends = surface.triangles.ravel(), surface.triangles[:, _NEXT_CORNERS].ravel()
     count = np.int64(len(surface.vertices))
     forth, back = np.sort(starts * count + ends), np.sort(ends * count + starts)
     return np.array_equal(forth, back) and bool((forth[1:] > forth[:-1]).all())
@@ -124,7 +125,7 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
     """
 
     starts = surface.triangles.ravel()
-    ends = surface.triangles[:, _NEXT].ravel()
+    ends = surface.triangles[:, _NEXT_CORNERS].ravel()
     low, high = np.minimum(starts, ends), np.maximum(starts, ends)
     order = np.lexsort((starts, high, low))
     key = np.stack([low[order], high[order]], axis=1)
@@ -136,7 +137,7 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
     opposite = starts[first] != starts[second]
     first, second = first[opposite], second[opposite]
     # Half edge i leaves corner i of the flat list of triangles, and ends at the next corner of its triangle.
-    following = np.arange(len(starts)).reshape(-1, 3)[:, _NEXT].ravel()
+    following = np.arange(len(starts)).reshape(-1, 3)[:, _NEXT_CORNERS].ravel()
     links = np.concatenate([first, following[first]]), np.concatenate([following[second], second])
     label = components(len(starts), *links)
     open_edges = np.ones(len(starts), dtype=bool)
@@ -148,36 +149,41 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
 def _apexes(points: Points, border: Triangles, surface: Surface) -> tuple[Points, npt.NDArray[np.int64]]:
     """Returns the apex of a cone for each loop of the border, and the loop of each edge.
 
-    The apex is as far away from the loop as the surface is large: so simplification keeps the cone apart from
-    the surface.
+    The apex is as far away from the loop as the surface is large, so that simplification does not mix the
+    cone with the surface.
     """
-    used, compact = np.unique(border, return_inverse=True)
+    vertices_of_border, compact = np.unique(border, return_inverse=True)
     compact = compact.reshape(-1, 2)
-    label = components(len(used), compact[:, 0], compact[:, 1])
+    label = components(len(vertices_of_border), compact[:, 0], compact[:, 1])
     count, loop = int(label.max(initial=-1)) + 1, label[compact[:, 0]]
     weights = np.bincount(loop, minlength=count)[:, None]
     middles = np.stack(
         [np.bincount(loop, points[border[:, 0], axis], minlength=count) for axis in range(3)], axis=1
     )
-    crossed = np.cross(points[border[:, 0]], points[border[:, 1]])
-    normals = np.stack([np.bincount(loop, crossed[:, axis], minlength=count) for axis in range(3)], axis=1)
+    corner_products = np.cross(points[border[:, 0]], points[border[:, 1]])
+    normals = np.stack(
+        [np.bincount(loop, corner_products[:, axis], minlength=count) for axis in range(3)], axis=1
+    )
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    upright = np.where(lengths > 0, normals / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
+    directions = np.where(lengths > 0, normals / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
     size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    return middles / weights + size * upright, loop
+    return middles / weights + size * directions, loop
 
 
-def lowest(levels: int, faces: Callable[[int], int], most: int, first: int | None = None) -> int:
-    """Returns the lowest level with at most `most` faces; `levels` if there is no such level. Higher levels
-    have fewer faces. `first`: the level that is tried first, by default the middle."""
-    low, high, level = 0, levels, levels // 2 if first is None else first
+def lowest_level(
+    levels: int, faces: Callable[[int], int], max_faces: int, first_level: int | None = None
+) -> int:
+    """Returns the lowest level with at most `max_faces` faces; `levels` if there is none. `levels`: the
+    number of levels; `faces`: function of a level, fewer for higher levels; `first_level`: the level that is
+    tried first, by default the middle."""
+    low, high, level = 0, levels, levels // 2 if first_level is None else first_level
     while low < high:
         count = faces(level)
-        if count <= most:
+        if count <= max_faces:
             high = level
         else:
             low = level + 1
         # Each level takes a while: the next try is where the number is likely reached.
-        step = math.log(max(count, 1) / max(most, 1)) / math.log(1 / _KEPT_SHARE)
+        step = math.log(max(count, 1) / max(max_faces, 1)) / math.log(1 / _KEPT_SHARE)
         level = min(max(level + math.ceil(step), low), high - 1)
     return low

@@ -24,7 +24,7 @@ _TRIANGLE_BITS = 26
 """Lower bits of a pixel's entry, with the triangle's index; the upper bits hold the level of depth, so that
 the largest entry is the nearest triangle."""
 
-_EDGE_ON = 1e-3
+_MAX_EDGE_ON_AREA = 1e-3
 """Triangles whose visible area, doubled, is at most this [pixels] count as seen edge-on."""
 
 
@@ -33,15 +33,15 @@ def work(corners: Corners) -> float:
     return float(_boxes(corners).sum())
 
 
-def drawn(corners: Corners, colours: Pixels, background: Pixels, side: int) -> Pixels:
+def picture_of_triangles(corners: Corners, colours: Pixels, background: Pixels, side: int) -> Pixels:
     """Returns the picture, `side` pixels high and wide. A pixel has the colour of the nearest triangle that
     contains its centre, else that of the `background` (3,). `colours` (m, 3): the colours of the triangles.
     There must be fewer than 2^26 triangles."""
     all_colours: Pixels = np.concatenate([colours, background[None]])
-    return np.asarray(all_colours[seen(corners, side, side)])
+    return np.asarray(all_colours[nearest_triangles(corners, side, side)])
 
 
-def seen(corners: Corners, width: int, height: int) -> Indices:
+def nearest_triangles(corners: Corners, width: int, height: int) -> Indices:
     """Returns for each pixel (height, width) the triangle that is nearest to the viewer at its centre, or -1.
 
     There must be fewer than 2^26 triangles. Depth is divided into 2^20 levels; among triangles on the same
@@ -54,16 +54,16 @@ def seen(corners: Corners, width: int, height: int) -> Indices:
     step = _LEVELS / span if span > 0 else 0.0
     for batch in _batches(corners, _with_centres(corners)):
         triangle, row, column, near = _covered(corners[batch], width, height)
-        level = np.clip((near - low) * step, 0, _LEVELS).astype(np.int64)
-        level <<= _TRIANGLE_BITS
-        level |= batch[triangle]
+        entry = np.clip((near - low) * step, 0, _LEVELS).astype(np.int64)
+        entry <<= _TRIANGLE_BITS
+        entry |= batch[triangle]
         row *= width
         row += column
-        np.maximum.at(nearest, row, level)
-    nothing = (1 << _TRIANGLE_BITS) - 1
-    nearest &= nothing
+        np.maximum.at(nearest, row, entry)
+    no_triangle = (1 << _TRIANGLE_BITS) - 1
+    nearest &= no_triangle
     triangles = nearest.astype(np.int32)
-    triangles[triangles == nothing] = -1
+    triangles[triangles == no_triangle] = -1
     return triangles.reshape(height, width)
 
 
@@ -98,11 +98,13 @@ def _covered(corners: Corners, width: int, height: int) -> tuple[Indices, Indice
     top, middle, bottom = _downwards(corners)
     owner, row = _between(top[1], bottom[1], height)
     y = row + corners.dtype.type(0.5)
-    long = _Edge(top, bottom).at(owner, y)
-    short = np.where(
+    long_edge_x = _Edge(top, bottom).at(owner, y)
+    short_edges_x = np.where(
         y < middle[1][owner], _Edge(top, middle).at(owner, y), _Edge(middle, bottom).at(owner, y)
     )
-    span, column = _between(np.minimum(long, short), np.maximum(long, short), width)
+    span, column = _between(
+        np.minimum(long_edge_x, short_edges_x), np.maximum(long_edge_x, short_edges_x), width
+    )
     owner, row = owner[span], row[span]
     return owner, row, column, _nearness(corners, owner, column, row)
 
@@ -140,8 +142,8 @@ class _Edge:
 
     def at(self, which: Indices, y: Numbers) -> Numbers:
         """Returns the places where these edges cross the rows at `y`."""
-        passed = np.clip(y - self._start[1][which], 0.0, self._down[which])
-        return np.asarray(self._start[0][which] + passed * self._slope[which])
+        down_on_edge = np.clip(y - self._start[1][which], 0.0, self._down[which])
+        return np.asarray(self._start[0][which] + down_on_edge * self._slope[which])
 
 
 def _between(start: Numbers, end: Numbers, side: int) -> tuple[Indices, Indices]:
@@ -163,10 +165,10 @@ def _nearness(corners: Corners, owner: Indices, column: Indices, row: Indices) -
     a, b, c = np.moveaxis(corners, 1, 0)
     (ax, ay, az), (bx, by, bz) = (b - a).T, (c - a).T
     up = ax * by - ay * bx
-    upright = np.abs(up) > _EDGE_ON
-    up = np.where(upright, up, 1.0)
-    across = np.where(upright, az * by - ay * bz, 0.0) / up
-    down = np.where(upright, ax * bz - az * bx, 0.0) / up
+    has_area = np.abs(up) > _MAX_EDGE_ON_AREA
+    up = np.where(has_area, up, 1.0)
+    across = np.where(has_area, az * by - ay * bz, 0.0) / up
+    down = np.where(has_area, ax * bz - az * bx, 0.0) / up
     nearest = np.maximum(np.maximum(a[:, 2], b[:, 2]), c[:, 2])
-    base = np.where(upright, a[:, 2], nearest) - across * (a[:, 0] - 0.5) - down * (a[:, 1] - 0.5)
+    base = np.where(has_area, a[:, 2], nearest) - across * (a[:, 0] - 0.5) - down * (a[:, 1] - 0.5)
     return np.asarray(base[owner] + across[owner] * column + down[owner] * row)

@@ -16,10 +16,10 @@ from linkwright.stages.show.graph_view.labels import (
     rules,
 )
 
-ROOM = 190.0  # width of a name
-ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, the width of a row's mark
-LABEL, LINE = 18.0, 13.0  # a joint's name above its edge, each line below
-MAX_SHOWN = 3  # largest number of parts, and of frames, that a box names
+ROOM = 190.0  # largest width of a name [px]
+ROW, PAD, MARK = 14.0, 7.0, 14.0  # height of a row, space around the rows, width of a row's mark [px]
+LABEL, LINE = 18.0, 13.0  # heights of a joint's name above its edge, and of each line below [px]
+MAX_SHOWN = 3  # largest number of rows for parts, and for frames, in a box
 
 Kind = Literal["name", "plain", "part", "frame", "loop"]
 
@@ -34,7 +34,7 @@ class BoxRow:
     """The tooltip."""
 
     loop: int = 0
-    """The index of the loop that the row marks."""
+    """The index of the loop that a row of the kind `loop` marks."""
 
     @property
     def width(self) -> float:
@@ -47,7 +47,8 @@ SIZES: Mapping[Kind, float] = {"name": 12.0, "plain": 10.0, "part": 9.5, "frame"
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line below a joint's edge: the range of `dof`, or, if it `follows`, the rule of its relation."""
+    """A line below a joint's edge: the range of `dof`, or, if `follows`, the rule by which it follows its
+    driver."""
 
     dof: str
     text: str
@@ -56,8 +57,8 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """The box of a link and the label of the joint to its parent; (x, y) is the middle of the box's left
-    side."""
+    """The box of a link and the label of the joint to its parent. Lengths in px; (x, y) is the middle of the
+    box's left side."""
 
     link: Link
     joint: Joint | None
@@ -98,30 +99,30 @@ class Box:
 def boxes_of(robot: Robot) -> dict[str, Box]:
     """Returns the box of each link by its name, not yet placed."""
     parent_joints = {joint.child: joint for joint in robot.joints}
-    follows = rules(robot, room=24)
+    rule_of_dof = rules(robot, room=24)
     frames = frames_on(robot)
-    ends: dict[str, list[int]] = {}
+    loops_at_link: dict[str, list[int]] = {}
     for index, loop in enumerate(robot.loops):
         for name in dict.fromkeys((loop.link_a, loop.link_b)):
-            ends.setdefault(name, []).append(index)
+            loops_at_link.setdefault(name, []).append(index)
     boxes = {}
     for link in robot.links:
         joint = parent_joints.get(link.name)
         rows = [*_rows(link, robot), *_name_rows("frame", frames.get(link.name, ()))]
-        rows += [_end(robot.loops[index], index) for index in ends.get(link.name, ())]
-        lines = () if joint is None else tuple(_lines(joint, follows))
+        rows += [_loop_row(robot.loops[index], index) for index in loops_at_link.get(link.name, ())]
+        lines = () if joint is None else tuple(_lines(joint, rule_of_dof))
         boxes[link.name] = Box(link, joint, tuple(rows), lines)
     return boxes
 
 
-def _lines(joint: Joint, follows: Mapping[str, str]) -> Iterator[Line]:
+def _lines(joint: Joint, rule_of_dof: Mapping[str, str]) -> Iterator[Line]:
     for dof, words in motions(joint):
         yield Line(dof.name, words, False)
-        if dof.name in follows:
-            yield Line(dof.name, f"= {follows[dof.name]}", True)
+        if dof.name in rule_of_dof:
+            yield Line(dof.name, f"= {rule_of_dof[dof.name]}", True)
 
 
-def _end(loop: Loop, index: int) -> BoxRow:
+def _loop_row(loop: Loop, index: int) -> BoxRow:
     return BoxRow("loop", fitted(loop.mate.name or loop.name, 10, ROOM), caption(loop), index)
 
 
@@ -130,10 +131,10 @@ def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
     if is_origin(robot, link):
         yield BoxRow("plain", "the assembly's origin")
     else:
-        from_user = " (given)" if link.given else ""
+        source_note = " (given)" if link.given else ""
         counts = [count(len(link.parts), "part")] if link.parts else []
         counts += [count(len(link.shapes), "shape")] if link.shapes else []
-        yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + from_user, *counts]))
+        yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + source_note, *counts]))
     if len(link.parts) > 1:
         yield from _name_rows("part", part_names(link))
 

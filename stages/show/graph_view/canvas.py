@@ -1,4 +1,4 @@
-"""Draws text, boxes and lines on a sheet with a background, in SVG."""
+"""Draws text, boxes and lines in SVG, on a sheet with a background."""
 
 import math
 import unicodedata
@@ -43,7 +43,7 @@ class TextStyle:
     """Whether the text is centred, instead of left-aligned."""
 
     halo: bool = False
-    """Whether the text hides the drawing below it."""
+    """Whether a patch in the colour of the paper hides the drawing below the text."""
 
 
 class Canvas:
@@ -84,13 +84,13 @@ class Canvas:
             self._add(parent, "title").text = printable(text)
         if style.halo:
             left = x - width / 2 if style.middle else x
-            place = {
+            background = {
                 "x": px(left - 1),
                 "y": px(y - size * 0.6),
                 "width": px(width + 2),
                 "height": px(size * 1.2),
             }
-            self._add(parent, "rect", **place, fill=self._paper, fill_opacity="0.85")
+            self._add(parent, "rect", **background, fill=self._paper, fill_opacity="0.85")
         self._add(
             parent,
             "text",

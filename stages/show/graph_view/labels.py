@@ -12,15 +12,16 @@ _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
 
 
 def shortened(text: str, room: float, measure: Callable[[str], float] = columns) -> str:
-    """Returns `text`, shortened in its middle as far as needed to fit `room`, in the unit of `measure`."""
+    """Returns `text`, shortened in its middle until `measure` of it is at most `room`. `measure`: function
+    that returns the width of a text, by default its columns."""
     text = printable(text)
     if measure(text) <= room:
         return text
     for length in range(min(len(text) - 1, int(room)), 0, -1):
         tail = length // 2
-        short = text[: length - tail] + "…" + text[len(text) - tail :]
-        if measure(short) <= room:
-            return short
+        shortened_text = text[: length - tail] + "…" + text[len(text) - tail :]
+        if measure(shortened_text) <= room:
+            return shortened_text
     return "…"
 
 
@@ -93,11 +94,11 @@ def leaf(name: str) -> str:
 
 def part_names(link: Link) -> list[str]:
     """Returns the names of a link's parts, the heaviest first; equal parts are counted, as in "screw ×4"."""
-    weights: dict[str, list[float]] = {}
+    masses: dict[str, list[float]] = {}
     for part in link.parts:
-        weights.setdefault(re.sub(r" <\d+>$", "", leaf(part.name)), []).append(part.inertial.mass)
-    order = sorted(weights, key=lambda name: (-sum(weights[name]), name))
-    return [name if len(weights[name]) == 1 else f"{name} ×{len(weights[name])}" for name in order]
+        masses.setdefault(re.sub(r" <\d+>$", "", leaf(part.name)), []).append(part.inertial.mass)
+    order = sorted(masses, key=lambda name: (-sum(masses[name]), name))
+    return [name if len(masses[name]) == 1 else f"{name} ×{len(masses[name])}" for name in order]
 
 
 def frames_on(robot: Robot) -> Mapping[str, Sequence[str]]:
@@ -113,7 +114,7 @@ def is_origin(robot: Robot, link: Link) -> bool:
     return link is robot.root and link.name == "world" and not link.parts
 
 
-def totals(robot: Robot) -> str:
+def totals_line(robot: Robot) -> str:
     """Returns a line with the numbers of the robot's links, joints and so on, and its mass."""
     parts = sum(len(link.parts) for link in robot.links)
     nouns: Iterable[tuple[int, str]] = (
@@ -136,6 +137,6 @@ def mobility(robot: Robot) -> str:
     return text + f"{count(degrees.coordinates, 'coordinate')}"
 
 
-def standing(robot: Robot) -> str:
+def base_line(robot: Robot) -> str:
     """Tells whether the base is fixed or free, and why."""
     return f"{'fixed' if robot.base.fixed else 'free'} base: {printable(robot.base.reason)}"

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Contour:
-    """The contour of a subtree. Its form makes adding a root, and moving the subtree, independent of its
-    size."""
+    """The contour of a subtree. The levels are stored from the deepest up, with a common shift, so that
+    adding a root and moving the subtree take constant time."""
 
     edges: list[tuple[float, float]]
     """The top and the bottom of each level, from the deepest level up to the root, before the shift."""
@@ -49,22 +49,22 @@ def tidy(
             offset = max((above[1] + gap - below[0] for above, below in pairs), default=0.0)
             offsets.append(offset)
             contour.shift += offset
-            merged = _joined(merged, contour, shared)
-        middle = (offsets[0] + offsets[-1]) / 2 if offsets else 0.0
-        shifts |= {child: offset - middle for child, offset in zip(children[name], offsets, strict=True)}
-        merged.shift -= middle
+            merged = _joined_contours(merged, contour, shared)
+        mean_offset = (offsets[0] + offsets[-1]) / 2 if offsets else 0.0
+        shifts |= {child: offset - mean_offset for child, offset in zip(children[name], offsets, strict=True)}
+        merged.shift -= mean_offset
         half = heights[name] / 2
         merged.edges.append((-half - merged.shift, half - merged.shift))
         contours[name] = merged
     contour = contours[order[0]]
-    highest = min(top for top, _ in contour.edges) + contour.shift
-    centres = {order[0]: -highest}
+    top_edge = min(top for top, _ in contour.edges) + contour.shift
+    centres = {order[0]: -top_edge}
     for name in order[1:]:
         centres[name] = centres[parents[name]] + shifts[name]
     return centres
 
 
-def _joined(above: Contour, below: Contour, shared: int) -> Contour:
+def _joined_contours(above: Contour, below: Contour, shared: int) -> Contour:
     """Joins two contours that have the first `shared` levels in common, by changing these levels of the
     deeper contour; returns it."""
     edges = [

@@ -14,16 +14,16 @@ from linkwright.stages.robot.model.robot import Joint, Robot
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import columns, printable
 from linkwright.stages.show.graph_view.labels import (
+    base_line,
     frames_on,
     is_origin,
     mobility,
     motions,
     rules,
-    standing,
-    totals,
+    totals_line,
 )
 
-_WIDE = 100  # columns up to which the lines of the tree take three columns a level
+_WIDE = 100  # columns; an outline within them has three columns for each level of the tree
 _GAP = 2  # columns between the cells of a line
 _HEADER = ("link", "kg", "parts", "joint", "type")
 
@@ -41,23 +41,23 @@ class Columns:
     """The largest width of the tree's lines before a name."""
 
     link: int
-    """The width that the names of links get at least, if they are as long."""
+    """The least width for the names of links, unless all are shorter."""
 
     joint: int
-    """The width that the names of joints get at least, if they are as long."""
+    """The least width for the names of joints, unless all are shorter."""
 
     ranges: int
-    """The width that ranges get at least, if they are as long."""
+    """The least width for ranges, unless all are shorter."""
 
     parts: bool
     """Whether there is room for the numbers of parts."""
 
 
 WHOLE = Columns(math.inf, 22, 16, 14, 24, parts=True)
-"""Columns without limit: no name is wrapped."""
+"""Columns of an outline without a largest width: no name is wrapped."""
 
 NARROW = Columns(80, 14, 12, 10, 18, parts=False)
-"""Columns of a terminal."""
+"""Columns of an outline for a terminal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,44 +76,44 @@ class Row:
 def outline(robot: Robot, room: Columns = WHOLE) -> str:
     """Returns the tree with masses, joints and ranges; then loops, frames and mobility."""
     sections = [
-        [f"{robot.name}: {totals(robot)}", standing(robot)],
+        [f"{robot.name}: {totals_line(robot)}", base_line(robot)],
         _loops(robot),
         _frames(robot),
         _mobility(robot),
     ]
-    head, *rest = [[part for line in lines for part in _filled(line, room.width)] for lines in sections]
+    head, *rest = [[part for line in lines for part in _indented(line, room.width)] for lines in sections]
     parts = [head, list(_table(list(_rows(robot, room)), room)), *rest]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
 
 def _rows(robot: Robot, room: Columns) -> Iterator[Row]:
     """Yields a row for each link, every subtree together."""
-    below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
+    joints_below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
     for joint in robot.joints:
-        below[joint.parent].append(joint)
-    follows = rules(robot)
+        joints_below[joint.parent].append(joint)
+    rule_of_dof = rules(robot)
     links = {link.name: link for link in robot.links}
     base = f"({'fixed' if robot.base.fixed else 'free'} base)"
     stack: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
     while stack:
         above, lasts = stack.pop()
         link = robot.root if above is None else links[above.child]
-        children = below[link.name]
+        children = joints_below[link.name]
         stack += [(child, (*lasts[-room.trunk :], child is children[-1])) for child in reversed(children)]
         mass = "" if is_origin(robot, link) else f"{link.inertial.mass:.3g}"
         name, kind = (base, "") if above is None else (above.name, above.type)
-        ranges = () if above is None else tuple(_ranges(above, follows))
+        ranges = () if above is None else tuple(_ranges(above, rule_of_dof))
         parts = str(len(link.parts) or "") if room.parts else ""
         cells = (link.name, mass, parts, name, kind)
         yield Row(lasts, not children, cells, ranges)
 
 
-def _ranges(joint: Joint, follows: Mapping[str, str]) -> Iterator[str]:
+def _ranges(joint: Joint, rule_of_dof: Mapping[str, str]) -> Iterator[str]:
     """Yields the range of each dof, followed by the rule that it follows."""
     for dof, words in motions(joint):
         yield words
-        if dof.name in follows:
-            yield f"= {follows[dof.name]}"
+        if dof.name in rule_of_dof:
+            yield f"= {rule_of_dof[dof.name]}"
 
 
 def _table(rows: Sequence[Row], room: Columns) -> Iterator[str]:
@@ -122,15 +122,15 @@ def _table(rows: Sequence[Row], room: Columns) -> Iterator[str]:
     for row in rows:
         trunk = _trunk(row.lasts, step, room.trunk)
         stem = _stem(row.lasts, step, room.trunk) + ("" if row.is_leaf else "│")
-        below = f"{stem} ".ljust(len(trunk))
+        indent = f"{stem} ".ljust(len(trunk))
         fits = columns(trunk + row.cells[0]) <= widths[0]
-        names = [row.cells[0]] if fits else _broken(row.cells[0], widths[0] - len(below))
-        joints = _broken(row.cells[3], widths[3])
-        ranges = _packed(row.ranges, room.width - sum(_with_gaps(widths)))
+        names = [row.cells[0]] if fits else _pieces(row.cells[0], widths[0] - len(indent))
+        joints = _pieces(row.cells[3], widths[3])
+        ranges = _range_lines(row.ranges, room.width - sum(_with_gaps(widths)))
         first: Cells = (trunk + names[0], *row.cells[1:3], joints[0], row.cells[4])
         yield _line(first, widths, ranges[0] if ranges else "")
-        for name, joint, range_text in zip_longest(names[1:], joints[1:], ranges[1:], fillvalue=""):
-            yield _line((below + name if name else stem, "", "", joint, ""), widths, range_text)
+        for name, joint_piece, range_text in zip_longest(names[1:], joints[1:], ranges[1:], fillvalue=""):
+            yield _line((indent + name if name else stem, "", "", joint_piece, ""), widths, range_text)
 
 
 def _widths(rows: Sequence[Row], room: Columns) -> tuple[int, list[int]]:
@@ -140,19 +140,19 @@ def _widths(rows: Sequence[Row], room: Columns) -> tuple[int, list[int]]:
     widths = [max(columns(cells[column]) for cells in table) for column in range(5)]
     longest = max(map(columns, ["range", *(text for row in rows for text in row.ranges)]))
     other_widths = sum(_with_gaps([0, *widths[1:3], 0, widths[4]])) + 2 * _GAP
-    left = int(min(room.width, _WIDE)) - other_widths - min(room.ranges, longest)
+    available = int(min(room.width, _WIDE)) - other_widths - min(room.ranges, longest)
     for step in (3, 2):
         trunks = [len(_trunk(row.lasts, step, room.trunk)) for row in rows]
         widths[0] = max(4, *(trunk + columns(row.cells[0]) for trunk, row in zip(trunks, rows, strict=True)))
-        if widths[0] + widths[3] <= left:
+        if widths[0] + widths[3] <= available:
             return step, widths
     if math.isinf(room.width):
         return 2, widths
     step = max(1, min(2, room.trunk // max(1, *(len(row.lasts) for row in rows))))
     trunk = max(len(_trunk(row.lasts, step, room.trunk)) for row in rows)
-    widths[3] = min(widths[3], max(left * 2 // 5, left - widths[0]))
-    widths[0] = max(left - widths[3], trunk + room.link)
-    widths[3] = min(widths[3], max(left - widths[0], room.joint))
+    widths[3] = min(widths[3], max(available * 2 // 5, available - widths[0]))
+    widths[0] = max(available - widths[3], trunk + room.link)
+    widths[3] = min(widths[3], max(available - widths[0], room.joint))
     return step, widths
 
 
@@ -166,22 +166,22 @@ def _with_gaps(widths: Sequence[int]) -> list[int]:
     return [width + _GAP if width else 0 for width in widths]
 
 
-def _trunk(lasts: Sequence[bool], step: int, most: int) -> str:
+def _trunk(lasts: Sequence[bool], step: int, max_columns: int) -> str:
     """Returns the tree's lines before a name."""
     if not lasts:
         return ""
     branch = ("└" if lasts[-1] else "├") + "─ "[3 - step :]
-    return _stem(lasts[:-1], step, most) + branch
+    return _stem(lasts[:-1], step, max_columns) + branch
 
 
-def _stem(lasts: Sequence[bool], step: int, most: int) -> str:
-    """Returns the tree's lines below a name, in at most `most` columns; for a very deep tree only their
-    end."""
-    stem = "".join((" " if last else "│").ljust(step) for last in lasts[-most:])
-    return stem if len(stem) < most else "…" + stem[len(stem) - most + 2 :]
+def _stem(lasts: Sequence[bool], step: int, max_columns: int) -> str:
+    """Returns the tree's lines below a name, in at most `max_columns` columns; for a very deep tree only
+    their end."""
+    stem = "".join((" " if last else "│").ljust(step) for last in lasts[-max_columns:])
+    return stem if len(stem) < max_columns else "…" + stem[len(stem) - max_columns + 2 :]
 
 
-def _packed(texts: Sequence[str], room: float) -> list[str]:
+def _range_lines(texts: Sequence[str], room: float) -> list[str]:
     """Returns a line for each text; a rule ("= ...") follows its range in the same line if there is room."""
     lines: list[str] = []
     for text in texts:
@@ -192,7 +192,7 @@ def _packed(texts: Sequence[str], room: float) -> list[str]:
     return lines
 
 
-def _broken(name: str, room: float) -> list[str]:
+def _pieces(name: str, room: float) -> list[str]:
     """Breaks a name into pieces of at most `room` columns, to be written below each other."""
     lines = [""]
     # It breaks after characters that join words, and anywhere in a word that is longer than a line.
@@ -245,7 +245,7 @@ def _mobility(robot: Robot) -> list[str]:
     return lines
 
 
-def _filled(text: str, width: float) -> list[str]:
+def _indented(text: str, width: float) -> list[str]:
     return _wrapped(printable(text), width, "    ")
 
 
@@ -258,5 +258,5 @@ def _wrapped(text: str, room: float, indent: str) -> list[str]:
         if columns(joined) <= room:
             lines[-1] = joined
         else:
-            lines += [indent + piece for piece in _broken(word, room - len(indent))]
+            lines += [indent + piece for piece in _pieces(word, room - len(indent))]
     return lines if lines[0] else lines[1:]

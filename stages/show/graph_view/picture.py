@@ -21,7 +21,7 @@ from linkwright.stages.show.graph_view.boxes import (
     caption,
 )
 from linkwright.stages.show.graph_view.canvas import Canvas, TextStyle, fitted, text_width
-from linkwright.stages.show.graph_view.labels import kilograms, mobility, rules, standing, totals
+from linkwright.stages.show.graph_view.labels import base_line, kilograms, mobility, rules, totals_line
 from linkwright.stages.show.graph_view.layout import levels, tidy
 from linkwright.stages.show.graph_view.symbols import (
     CROSS,
@@ -34,12 +34,12 @@ from linkwright.stages.show.graph_view.symbols import (
     SOFT,
     arrow,
     draw_legend,
+    draw_symbol,
     legend,
-    sign,
 )
 
 PAPER, FILL, ROOT = "#ffffff", "#f6f8fa", "#e6effb"
-LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")
+LOOP_COLOURS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")
 
 MARGIN, TOP, LEFT = 24.0, 98.0, 84.0
 GAP = 14.0  # between neighbours in a column
@@ -48,16 +48,18 @@ BUS = 18.0  # from a parent to the point where its edges part
 
 def draw(robot: Robot) -> bytes:
     """Draws the picture as SVG with its own background; the same robot always gives the same bytes."""
-    boxes = _placed(robot, boxes_of(robot))
+    boxes = _placed_boxes(robot, boxes_of(robot))
     curves = [_curve(robot, boxes, index) for index in range(len(robot.loops))]
-    heads = (totals(robot), mobility(robot), standing(robot))
+    head_lines = (totals_line(robot), mobility(robot), base_line(robot))
     right = max(*(box.right for box in boxes.values()), *(reach for _, reach in curves), 0.0)
-    right = max(right, MARGIN + max(text_width(fitted(text, 11, 700), 11) for text in heads))
+    right = max(right, MARGIN + max(text_width(fitted(text, 11, 700), 11) for text in head_lines))
     bottom = max(box.y + box.band / 2 for box in boxes.values())
     entries, height = legend(robot, right - MARGIN)
-    canvas = Canvas(right + MARGIN, bottom + 2 * MARGIN + height, PAPER, f"{robot.name}: {totals(robot)}")
+    canvas = Canvas(
+        right + MARGIN, bottom + 2 * MARGIN + height, PAPER, f"{robot.name}: {totals_line(robot)}"
+    )
     canvas.text(MARGIN, 26, robot.name, TextStyle(16, INK, bold=True), room=right - MARGIN)
-    for number, text in enumerate(heads):
+    for number, text in enumerate(head_lines):
         canvas.text(MARGIN, 45 + 15 * number, text, TextStyle(11, SOFT), room=700)
     for box in boxes.values():
         if box.joint is not None:
@@ -74,9 +76,9 @@ def draw(robot: Robot) -> bytes:
     return canvas.to_bytes()
 
 
-def _placed(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
-    """Places the boxes in a column for each level, which is as wide as its widest box and its widest
-    label."""
+def _placed_boxes(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
+    """Places the boxes in columns, one for each level of the tree. A column is as wide as its widest box and
+    its widest label together."""
     parents = {joint.child: joint.parent for joint in robot.joints}
     order = list(boxes)
     level = levels(order, parents)
@@ -104,7 +106,7 @@ def _placed(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
 
 
 def _colour(index: int) -> str:
-    return LOOPS[index % len(LOOPS)]
+    return LOOP_COLOURS[index % len(LOOP_COLOURS)]
 
 
 def _curve(robot: Robot, boxes: Mapping[str, Box], index: int) -> tuple[str, float]:
@@ -133,10 +135,10 @@ def _draw_label(canvas: Canvas, box: Box) -> None:
     if box.joint is None:
         return
     joint = box.joint
-    turned = ", runs backwards (the second entity's link is the child)" if joint.backwards else ""
+    backwards = ", runs backwards (the second entity's link is the child)" if joint.backwards else ""
     mate = f"mate {joint.mate.name} ({joint.mate.type})" if joint.mate else "not in CAD"
-    canvas.group(f"{joint.name}: {joint.type}{turned}\n{joint.parent} to {joint.child}\n{mate}")
-    sign(canvas, joint.type, box.label_x + 7, box.y - LABEL / 2 - 1)
+    canvas.group(f"{joint.name}: {joint.type}{backwards}\n{joint.parent} to {joint.child}\n{mate}")
+    draw_symbol(canvas, joint.type, box.label_x + 7, box.y - LABEL / 2 - 1)
     above = box.y - LABEL / 2 - 1
     canvas.text(box.label_x + 18, above, joint.name, TextStyle(11, INK, bold=True, halo=True), room=ROOM)
     for line in box.lines:
@@ -151,11 +153,11 @@ def _draw_relations(canvas: Canvas, robot: Robot, boxes: Mapping[str, Box]) -> N
         for box in boxes.values()
         for line in box.lines
     }
-    follows = rules(robot)
+    rule_of_dof = rules(robot)
     for relation in robot.relations:
         (ax, ay), (bx, by) = places[relation.driver, False], places[relation.follower, True]
         bend = 16 + min(60, abs(ay - by) / 5)
-        canvas.group(f"{relation.follower} = {follows[relation.follower]}")
+        canvas.group(f"{relation.follower} = {rule_of_dof[relation.follower]}")
         steps = f"M{ax:.1f} {ay:.1f}C{ax - bend:.1f} {ay:.1f} {bx - bend:.1f} {by:.1f} {bx - 3:.1f} {by:.1f}"
         canvas.path(steps, RELATION, thick=1.4, dash="1 4")
         arrow(canvas, bx, by, RELATION)
@@ -192,7 +194,7 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
 
 def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
     """Draws the base: on the ground, or free."""
-    canvas.group(standing(robot))
+    canvas.group(base_line(robot))
     fixed = robot.base.fixed
     canvas.path(
         f"M{box.x - 24:.1f} {box.y:.1f}H{box.x:.1f}", INK if fixed else SOFT, dash=None if fixed else "3 3"

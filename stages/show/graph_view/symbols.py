@@ -31,6 +31,7 @@ LOOSE = "M-6 0A6 6 0 1 0 6 0A6 6 0 1 0-6 0"
 
 _ROW, _SIZE, _SIGN, _GAP = 20.0, 10.5, 26.0, 18.0
 Place = tuple[float, float, str, str]
+"""An entry of the legend: x and y [px], the kind of its symbol, and its text."""
 
 
 def legend(robot: Robot, width: float) -> tuple[list[Place], float]:
@@ -38,11 +39,11 @@ def legend(robot: Robot, width: float) -> tuple[list[Place], float]:
     places: list[Place] = []
     x, y = 0.0, _ROW / 2
     for kind, words in _entries(robot):
-        needed = _SIGN + text_width(words, _SIZE) + _GAP
-        if x and x + needed > width:
+        needed_width = _SIGN + text_width(words, _SIZE) + _GAP
+        if x and x + needed_width > width:
             x, y = 0.0, y + _ROW
         places.append((x, y, kind, words))
-        x += needed
+        x += needed_width
     return places, y + _ROW / 2
 
 
@@ -65,11 +66,11 @@ def _entries(robot: Robot) -> list[tuple[str, str]]:
 def draw_legend(canvas: Canvas, places: list[Place], left: float, top: float) -> None:
     for x, y, kind, words in places:
         canvas.group()
-        sign(canvas, kind, left + x + 9, top + y)
+        draw_symbol(canvas, kind, left + x + 9, top + y)
         canvas.text(left + x + _SIGN, top + y, words, TextStyle(_SIZE, SOFT))
 
 
-def sign(canvas: Canvas, kind: str, x: float, y: float) -> None:
+def draw_symbol(canvas: Canvas, kind: str, x: float, y: float) -> None:
     """Draws the symbol of a type of joint, or another symbol of the legend, at (x, y)."""
     if kind == "relation":
         canvas.path("M-9 0H7", RELATION, dash="1 4", thick=1.6, at=(x, y))

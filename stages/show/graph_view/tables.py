@@ -1,4 +1,4 @@
-"""Describes the robot in tables of texts, for a page without knowledge of robotics."""
+"""Describes the robot in tables of texts, which a page shows as they are."""
 
 import json
 import math
@@ -8,6 +8,7 @@ from linkwright.stages.robot.model.robot import Dof, Joint, Robot
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import printable
 from linkwright.stages.show.graph_view.labels import (
+    base_line,
     decimal,
     frames_on,
     kilograms,
@@ -15,7 +16,6 @@ from linkwright.stages.show.graph_view.labels import (
     limits,
     mobility,
     rules,
-    standing,
     value,
 )
 
@@ -49,7 +49,7 @@ def tables(robot: Robot) -> bytes:
 
 def _mobility(robot: Robot) -> Rows:
     return [
-        ["base", standing(robot)],
+        ["base", base_line(robot)],
         ["motion", mobility(robot)],
         ["coordinates of the tree", str(robot.mobility.coordinates)],
         ["degrees of freedom by Grübler", str(robot.mobility.gruebler)],
@@ -59,19 +59,19 @@ def _mobility(robot: Robot) -> Rows:
 
 
 def _joints(robot: Robot) -> Iterator[list[str]]:
-    follows = rules(robot)
+    rule_of_dof = rules(robot)
     for joint in robot.joints:
-        yield from _joint(joint, follows)
+        yield from _joint(joint, rule_of_dof)
 
 
-def _joint(joint: Joint, follows: Mapping[str, str]) -> Iterator[list[str]]:
+def _joint(joint: Joint, rule_of_dof: Mapping[str, str]) -> Iterator[list[str]]:
     """Yields a row for each dof, and a row for a joint without dofs."""
     joint_cells = [joint.type, joint.parent, joint.child]
     mate = "" if joint.mate is None else printable(joint.mate.name)
     if not joint.dofs:
         yield [joint.name, "", *joint_cells, *[""] * 4, mate]
     for dof in joint.dofs:
-        rule = follows.get(dof.name, "")
+        rule = rule_of_dof.get(dof.name, "")
         name = "" if dof.name == joint.name else dof.name
         yield [joint.name, name, *joint_cells, _axis(dof), limits(dof), _saved(dof), rule, mate]
 
@@ -90,13 +90,14 @@ def _saved(dof: Dof) -> str:
 def _dynamics(robot: Robot) -> Iterator[list[str]]:
     """Yields a row for each dof with dynamics."""
     for dof in robot.dofs:
-        amounts = _amounts(dof)
-        if any(amounts):
-            yield [dof.name, *amounts]
+        cells = _dynamics_cells(dof)
+        if any(cells):
+            yield [dof.name, *cells]
 
 
-def _amounts(dof: Dof) -> list[str]:
-    """Returns effort, velocity, damping, friction and armature of a dof; "" for unset values."""
+def _dynamics_cells(dof: Dof) -> list[str]:
+    """Returns effort, velocity, damping, friction and armature of a dof as texts with units; "" for unset
+    values."""
     turns = dof.kind != "slide"
     dynamics = dof.dynamics
     speed = None if dynamics.velocity is None else dynamics.velocity * (math.degrees(1.0) if turns else 1e3)

@@ -9,13 +9,14 @@ whose pack is in the cache imports no module of this room.
 - compiled: Compiles the model of a build, to whose indices the page refers.
 - decimate: Simplifies meshes, so that the page opens and turns quickly.
 - geoms: Describes the geoms for the header: visual, colliding, and the ground.
-- includes: Makes a scene a single document, without includes, and with a name for every body and geom.
+- includes: Reads a scene as a single document without includes, in which every body and geom has a name.
 - links: Describes the links for the header: their CAD parts, masses, and the fit of their colliders.
 - mechanism: Describes the bodies, joints, relations, loops, keyframes and frames for the header.
-- meshes: Stores the meshes of the header, each once, simplified to what a page can show.
+- meshes: Stores the meshes of the header, each once, simplified to the number of triangles that a page can
+  show.
 - pack: Writes and reads a pack as bytes: a header in JSON, and buffers to which it refers by their offset.
 - rounding: Rounds the numbers of the pack: short in JSON, and exact enough for kinematics to 1e-9.
-- scene: Makes the whole pack of a robot from the folder with its files.
+- scene: Makes the pack of a robot from the folder with its files.
 - triangles: Reads triangles of the compiled model, and stores them welded, with 16 bits a coordinate.
 """
 

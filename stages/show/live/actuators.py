@@ -16,10 +16,16 @@ _STATEFUL_DYNAMICS = (
     mujoco.mjtDyn.mjDYN_FILTER,
     mujoco.mjtDyn.mjDYN_FILTEREXACT,
 )
-_RATE = {"rad": "rad/s", "m": "m/s"}
-_FORCE = {"rad": "N m", "m": "N"}
-_INPUTS = ("POS", "VEL", "FF", "VOLTAGE", "PRESSURE")
-_WORDS = {"POS": "position", "VEL": "velocity", "FF": "force", "VOLTAGE": "voltage", "PRESSURE": "pressure"}
+_SPEED_UNITS = {"rad": "rad/s", "m": "m/s"}
+_FORCE_UNITS = {"rad": "N m", "m": "N"}
+_INPUT_KINDS = ("POS", "VEL", "FF", "VOLTAGE", "PRESSURE")
+_INPUT_WORDS = {
+    "POS": "position",
+    "VEL": "velocity",
+    "FF": "force",
+    "VOLTAGE": "voltage",
+    "PRESSURE": "pressure",
+}
 
 
 def actuators(live: LiveModel, joints: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -37,14 +43,14 @@ def _entries(live: LiveModel, index: int, joints: list[dict[str, Any]]) -> Itera
     model = live.model
     kind = live.actuators[index] if index < len(live.actuators) else "general"
     name = live.name(mujoco.mjtObj.mjOBJ_ACTUATOR, index) or f"actuator {index}"
-    of_joint = mujoco.mjtTrn(int(model.actuator_trntype[index])) in _JOINT_TRANSMISSIONS
-    joint = int(model.actuator_trnid[index, 0]) if of_joint else None
+    drives_joint = mujoco.mjtTrn(int(model.actuator_trntype[index])) in _JOINT_TRANSMISSIONS
+    joint = int(model.actuator_trnid[index, 0]) if drives_joint else None
     unit = "" if joint is None else str(joints[joint]["unit"])
     inputs = _inputs(model, index)
     for input_index, (ctrl, word) in enumerate(inputs):
         limited = bool(model.actuator_ctrllimited[ctrl])
         yield {
-            "name": name if len(inputs) == 1 else f"{name} {_WORDS.get(word, str(input_index))}",
+            "name": name if len(inputs) == 1 else f"{name} {_INPUT_WORDS.get(word, str(input_index))}",
             "kind": kind,
             "joint": joint,
             "range": rounded_list(model.actuator_ctrlrange[ctrl]) if limited else None,
@@ -54,8 +60,9 @@ def _entries(live: LiveModel, index: int, joints: list[dict[str, Any]]) -> Itera
 
 
 def _target(model: Any, index: int, word: str) -> dict[str, Any] | None:
-    """Returns where a servo's target is stored, and its relation to the joint; None for other actuators. At
-    rest, gain · target + b₀ + b₁ · length is 0."""
+    """Returns where a servo's target is stored, and how the joint's value gives it (see `actuators`); None
+    for other actuators. At rest the force gain · target + b₀ + b₁ · length is 0, with length = gear · joint
+    value."""
     joint = mujoco.mjtJoint(int(model.jnt_type[model.actuator_trnid[index, 0]]))
     b0, b1 = (float(number) for number in model.actuator_biasprm[index, :2])
     kind, dynamics = int(model.actuator_gaintype[index]), int(model.actuator_dyntype[index])
@@ -66,8 +73,8 @@ def _target(model: Any, index: int, word: str) -> dict[str, Any] | None:
         *_STATEFUL_DYNAMICS,
     )
     gain = -b1 if is_pid else float(model.actuator_gainprm[index, 0])
-    affine = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE and b1 and gain
-    if joint not in _SCALAR_JOINTS or not affine or not (is_pid or is_fixed):
+    is_affine = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE and b1 and gain
+    if joint not in _SCALAR_JOINTS or not is_affine or not (is_pid or is_fixed):
         return None
     # A PID's target is a state if its speed is limited; the control of an integrator is the target's speed.
     is_state = dynamics in _STATEFUL_DYNAMICS or (is_pid and model.actuator_dynprm[index, 1] > 0)
@@ -84,8 +91,8 @@ def _inputs(model: Any, index: int) -> list[tuple[int, str]]:
     controls = controls_of(model, index)
     # Before MuJoCo 4.0 each actuator has one input, of no stated kind.
     kinds = getattr(mujoco, "mjtCtrlInput", None)
-    spec = 0 if kinds is None else int(model.actuator_ctrlspec[index])
-    words = [word for word in _INPUTS if spec & int(getattr(kinds, f"mjINPUT_{word}", 0) or 0)]
+    input_bits = 0 if kinds is None else int(model.actuator_ctrlspec[index])
+    words = [word for word in _INPUT_KINDS if input_bits & int(getattr(kinds, f"mjINPUT_{word}", 0) or 0)]
     words += [""] * (len(controls) - len(words))
     return list(zip(controls, words, strict=False))
 
@@ -97,5 +104,5 @@ def _unit(kind: str, word: str, unit: str) -> str:
     if kind == "position" or word == "POS":
         return unit
     if kind in ("velocity", "intvelocity") or word == "VEL":
-        return _RATE.get(unit, "")
-    return _FORCE.get(unit, "") if kind == "motor" or word == "FF" else ""
+        return _SPEED_UNITS.get(unit, "")
+    return _FORCE_UNITS.get(unit, "") if kind == "motor" or word == "FF" else ""

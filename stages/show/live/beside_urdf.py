@@ -11,12 +11,12 @@ from linkwright.stages.robot.motion.start_pose import keyframes as named_poses
 from linkwright.stages.show.live.rounding import rounded, rounded_list
 
 _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
-"""Type of loop → the points on its axis that stay together, as multiples of the lever from the origin."""
+"""Type of loop → the points of its axis that stay together, at these multiples of the loop's lever [m]."""
 
 
 def with_poses(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
-    """Adds the robot's keyframes, relations and loops to the header of a URDF. Loops that slide stay open:
-    the page has no frames for them."""
+    """Adds the robot's keyframes, relations and loops to the header of a URDF. Loops with a slide are left
+    out, and stay open: no points of theirs stay together."""
     bodies = {body["name"]: index for index, body in enumerate(header["bodies"])}
     loops = [entry for loop in robot.loops for entry in _loop(loop, bodies)]
     return {
@@ -44,9 +44,9 @@ def _relations(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
     relations of the robot."""
     entries = list(header["relations"])
     followers = {entry["follower"] for entry in entries}
-    numbers = {joint["name"]: index for index, joint in enumerate(header["joints"]) if joint["unit"]}
+    joint_indices = {joint["name"]: index for index, joint in enumerate(header["joints"]) if joint["unit"]}
     for relation in robot.relations:
-        follower, driver = numbers.get(relation.follower), numbers.get(relation.driver)
+        follower, driver = joint_indices.get(relation.follower), joint_indices.get(relation.driver)
         if follower is not None and driver is not None and follower not in followers:
             polynomial = [rounded(relation.offset), rounded(relation.multiplier), 0.0, 0.0, 0.0]
             entries.append({"follower": follower, "driver": driver, "polynomial": polynomial})
@@ -63,16 +63,16 @@ def _loop(loop: Loop, bodies: Mapping[str, int]) -> list[dict[str, Any]]:
     axis = loop.dofs[0].axis if loop.dofs else np.zeros(3)
     return [
         _entry(
-            loop.name, "connect", ends, tuple(_moved(frame, share * loop.lever * axis) for frame in frames)
+            loop.name, "connect", ends, tuple(_shifted(frame, share * loop.lever * axis) for frame in frames)
         )
         for share in _POINTS.get(loop.type, ())
     ]
 
 
-def _moved(frame: Array, shift: Array) -> Array:
-    moved = frame.copy()
-    moved[:3, 3] += frame[:3, :3] @ shift
-    return moved
+def _shifted(frame: Array, shift: Array) -> Array:
+    shifted_frame = frame.copy()
+    shifted_frame[:3, 3] += frame[:3, :3] @ shift
+    return shifted_frame
 
 
 def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -
     return {"name": name, "type": kind, "bodies": bodies, "a_from": first, "b_from": second}
 
 
-def _quaternion(turn: Array) -> Array:
+def _quaternion(rotation: Array) -> Array:
     quat: Array = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(turn).ravel())
+    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(rotation).ravel())
     return quat

@@ -29,7 +29,7 @@ class LiveModel:
     """The path of the robot's file."""
 
     model: Any
-    closed: Any
+    closed_data: Any
     """MuJoCo's data at a pose with closed loops: the keyframe `home`, else the first keyframe, else the
     start."""
 
@@ -40,26 +40,26 @@ class LiveModel:
     """The tag of each actuator in the scene."""
 
     def name(self, kind: Any, index: int) -> str:
-        """Returns the name that the file gives to an object of the model; "" if there is none."""
+        """Returns the name of an object of the model in the robot's file; "" if it has none there."""
         name = name_of(self.model, kind, index)
-        return "" if name.startswith(includes.OWN) else name
+        return "" if name.startswith(includes.NAME_PREFIX) else name
 
 
-def compiled(folder: Path, source: str) -> LiveModel:
+def compile_live(folder: Path, source: str) -> LiveModel:
     """Compiles the file `source` of a folder with a robot's files. Raises ValueError if MuJoCo refuses it."""
     document = None
     with collected_warnings():
         if source.endswith(".urdf"):
-            model = _of_urdf(folder, source)
+            model = _model_of_urdf(folder, source)
         else:
-            document = includes.with_names(includes.resolved(folder, source))
+            document = includes.with_names(includes.without_includes(folder, source))
             model, _ = compiled_with_warnings(lambda: spec_of_text(to_bytes(document), folder))
-        closed = _closed(model)
+        closed_data = _data_at_home(model)
     tags = () if document is None else includes.actuator_tags(document)
-    return LiveModel(source, model, closed, document, tags)
+    return LiveModel(source, model, closed_data, document, tags)
 
 
-def _of_urdf(folder: Path, source: str) -> Any:
+def _model_of_urdf(folder: Path, source: str) -> Any:
     """Compiles a URDF with all visible shapes. The URDF of a ROS package is in a folder beside that of its
     meshes."""
     if "/" not in source and SUFFIX.encode() not in (folder / source).read_bytes():
@@ -70,7 +70,7 @@ def _of_urdf(folder: Path, source: str) -> Any:
     return compiled_text(text, meshes)
 
 
-def _closed(model: Any) -> Any:
+def _data_at_home(model: Any) -> Any:
     data = at_key(model, max(keyframe_of(model, "home"), 0) if model.nkey else -1)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)

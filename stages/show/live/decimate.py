@@ -13,7 +13,7 @@ import numpy as np
 
 from linkwright.stages.formats.meshes.surface import weld
 from linkwright.stages.show.clusters import cell_means
-from linkwright.stages.show.decimate import Simplifiable, lowest
+from linkwright.stages.show.decimate import Simplifiable, lowest_level
 from linkwright.stages.show.live.triangles import Corners, Facets
 
 _MIN_TOLERANCE = 2e-5
@@ -51,7 +51,7 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
     # Only the coarsest level shows whether any level is enough. It takes longest, so it is not tried first if
     # little must be lost.
     if is_near or _total(at(last), uses) <= most:
-        level = lowest(
+        level = lowest_level(
             last + 1, lambda number: _total(at(number), uses), most, last // 4 if is_near else None
         )
         if level <= last:

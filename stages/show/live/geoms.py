@@ -23,8 +23,8 @@ _TYPES = {
 _DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default colour of a geom; a geom with this colour has the colour of its material."""
 
-_SEEN_GROUPS = 3
-"""MuJoCo's viewers show the groups with a smaller number; by convention colliders are in the other groups."""
+_FIRST_HIDDEN_GROUP = 3
+"""MuJoCo's viewers hide geom groups from this number on; by convention colliders are in hidden groups."""
 
 Source = tuple[str, int]
 """The triangles of a geom in the model: ("mesh" or "hfield", index)."""
@@ -37,13 +37,15 @@ def geoms(live: LiveModel) -> list[tuple[dict[str, Any], Source | None]]:
     collider. For a robot without any visual geom the colliders are visual too.
     """
     # The groups in a URDF's model are MuJoCo's own, not the author's.
-    groups = _SEEN_GROUPS if live.document is not None else 0
+    groups = _FIRST_HIDDEN_GROUP if live.document is not None else 0
     pairs = {*live.model.pair_geom1.tolist(), *live.model.pair_geom2.tolist()}
-    shown = [(index, _roles(live.model, index, groups, pairs)) for index in range(live.model.ngeom)]
-    if not any("visual" in roles for _, roles in shown):
-        shown = [(index, [*roles, *_as_visual(roles)]) for index, roles in shown]
+    roles_of_geoms = [(index, _roles(live.model, index, groups, pairs)) for index in range(live.model.ngeom)]
+    if not any("visual" in roles for _, roles in roles_of_geoms):
+        roles_of_geoms = [(index, [*roles, *_as_visual(roles)]) for index, roles in roles_of_geoms]
     return [
-        (_entry(live, index, role), _source(live.model, index)) for index, roles in shown for role in roles
+        (_entry(live, index, role), _source(live.model, index))
+        for index, roles in roles_of_geoms
+        for role in roles
     ]
 
 
@@ -51,14 +53,14 @@ def _as_visual(roles: list[str]) -> list[str]:
     return ["visual"] if "collision" in roles else []
 
 
-def _roles(model: Any, index: int, seen_groups: int, pairs: set[int]) -> list[str]:
+def _roles(model: Any, index: int, first_hidden_group: int, pairs: set[int]) -> list[str]:
     kind = mujoco.mjtGeom(int(model.geom_type[index]))
     if kind not in _TYPES:
         return []
     if model.geom_bodyid[index] == 0 and kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return ["ground"]
     collides = bool(model.geom_contype[index] or model.geom_conaffinity[index] or index in pairs)
-    is_visible = not collides or model.geom_group[index] < seen_groups
+    is_visible = not collides or model.geom_group[index] < first_hidden_group
     return [*(["visual"] if is_visible else []), *(["collision"] if collides else [])]
 
 

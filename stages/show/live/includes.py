@@ -1,4 +1,4 @@
-"""Makes a scene a single document, without includes, and with a name for every body and geom."""
+"""Reads a scene as a single document without includes, in which every body and geom has a name."""
 
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 from linkwright.stages.formats.xml import Element, parse, tag
 from linkwright.stages.mujoco.includes import resolve
 
-OWN = "linkwright:"
+NAME_PREFIX = "linkwright:"
 """Prefix of generated names."""
 
 _COPIED = frozenset({"replicate", "composite", "flexcomp", "default"})
@@ -16,7 +16,7 @@ _MAX_FILES = 100
 """Largest number of files of a scene; more mean a circle of includes."""
 
 
-def resolved(folder: Path, name: str) -> Element:
+def without_includes(folder: Path, name: str) -> Element:
     """Returns the root of a scene's file, with all includes replaced by their content. Raises ValueError if a
     file is outside of the folder, or if includes form a circle."""
     file_count = 0
@@ -38,7 +38,7 @@ def with_names(root: Element) -> Element:
     model."""
     for number, node in enumerate(_in_bodies(root)):
         if node.get("name") is None:
-            node.set("name", f"{OWN}{number}")
+            node.set("name", f"{NAME_PREFIX}{number}")
     return root
 
 

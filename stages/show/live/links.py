@@ -8,11 +8,11 @@ from linkwright.stages.show.live.rounding import rounded
 
 
 def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Returns each link with its parts and its colliders. `colliders`: the rows of the report's table, with
-    lengths in mm."""
-    rows: dict[str, list[dict[str, Any]]] = {}
+    """Returns each link with its parts and its colliders. `colliders`: the rows of the table of colliders in
+    the build's report, with lengths in mm."""
+    colliders_of_link: dict[str, list[dict[str, Any]]] = {}
     for row in colliders:
-        rows.setdefault(row["link"], []).append(_collider(row))
+        colliders_of_link.setdefault(row["link"], []).append(_collider(row))
     return [
         {
             "name": link.name,
@@ -20,7 +20,7 @@ def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str
             "parts": [
                 {"name": _name(part), "mass": rounded(part.inertial.mass) or None} for part in link.parts
             ],
-            "colliders": rows.get(link.name, []),
+            "colliders": colliders_of_link.get(link.name, []),
         }
         for link in robot.links
     ]

@@ -16,7 +16,7 @@ _TYPES = {
     mujoco.mjtJoint.mjJNT_HINGE: "hinge",
 }
 _UNITS = {"hinge": "rad", "slide": "m"}
-_LOOPS = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld"}
+_LOOP_TYPES = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld"}
 
 
 def bodies(live: LiveModel, links: dict[str, int]) -> list[dict[str, Any]]:
@@ -87,8 +87,8 @@ def relations(live: LiveModel) -> list[dict[str, Any]]:
 
 
 def loops(live: LiveModel) -> list[dict[str, Any]]:
-    """Returns the connects and welds, each as two frames, fixed in a body each, which coincide in a closed
-    loop.
+    """Returns the connects and welds, each as two frames, one in each body, that coincide when the loop is
+    closed.
 
     A connect only keeps points together: its second frame gets the orientation that the first frame has at
     the closed pose.
@@ -96,7 +96,7 @@ def loops(live: LiveModel) -> list[dict[str, Any]]:
     return [
         _loop(live, index)
         for index in _active(live.model)
-        if mujoco.mjtEq(int(live.model.eq_type[index])) in _LOOPS
+        if mujoco.mjtEq(int(live.model.eq_type[index])) in _LOOP_TYPES
     ]
 
 
@@ -106,7 +106,7 @@ def _active(model: Any) -> list[int]:
 
 def _loop(live: LiveModel, index: int) -> dict[str, Any]:
     model = live.model
-    kind = _LOOPS[mujoco.mjtEq(int(model.eq_type[index]))]
+    kind = _LOOP_TYPES[mujoco.mjtEq(int(model.eq_type[index]))]
     ends = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
     values = model.eq_data[index]
     identity = np.array([1.0, 0, 0, 0])
@@ -121,7 +121,7 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
         second = (values[0:3], identity) if kind == "weld" else (values[3:6], identity)
         frames = [first, second]
     if kind == "connect":
-        frames[1] = (frames[1][0], _seen_from(live, bodies[1], bodies[0], frames[0][1]))
+        frames[1] = (frames[1][0], _orientation_in(live, bodies[1], bodies[0], frames[0][1]))
     return {
         "name": live.name(mujoco.mjtObj.mjOBJ_EQUALITY, index),
         "type": kind,
@@ -131,13 +131,14 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
     }
 
 
-def _seen_from(live: LiveModel, target: int, body: int, quat: Any) -> Any:
-    """Converts an orientation in `body` to one in `target`, at the closed pose."""
-    inverse, world, quat_in_other = np.zeros(4), np.zeros(4), np.zeros(4)
-    mujoco.mju_mulQuat(world, live.closed.xquat[body], quat)
-    mujoco.mju_negQuat(inverse, live.closed.xquat[target])
-    mujoco.mju_mulQuat(quat_in_other, inverse, world)
-    return quat_in_other
+def _orientation_in(live: LiveModel, target: int, body: int, quat: Any) -> Any:
+    """Converts an orientation (4,) relative to `body` to the same orientation relative to `target`, at the
+    closed pose."""
+    target_from_world, world_from_frame, target_from_frame = np.zeros(4), np.zeros(4), np.zeros(4)
+    mujoco.mju_mulQuat(world_from_frame, live.closed_data.xquat[body], quat)
+    mujoco.mju_negQuat(target_from_world, live.closed_data.xquat[target])
+    mujoco.mju_mulQuat(target_from_frame, target_from_world, world_from_frame)
+    return target_from_frame
 
 
 def keyframes(live: LiveModel) -> list[dict[str, Any]]:

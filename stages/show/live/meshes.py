@@ -1,4 +1,4 @@
-"""Stores the meshes of the header, each once, simplified to what a page can show."""
+"""Stores the meshes of the header, each once, simplified to the number of triangles that a page can show."""
 
 import json
 from collections import Counter
@@ -14,39 +14,40 @@ Shown = tuple[dict[str, Any], Source | None]
 """A geom of the header and the source of its triangles."""
 
 
-def stored_meshes(model: Any, shown: list[Shown], most: int, buffers: Buffers) -> dict[str, Any]:
-    """Returns `geoms`, `meshes` and `thinned` of the header, with the key `mesh` of each geom.
+def stored_meshes(model: Any, shown: list[Shown], max_triangles: int, buffers: Buffers) -> dict[str, Any]:
+    """Returns `geoms`, `meshes` and `simplified` of the header, with the key `mesh` of each geom.
 
-    The visual meshes have at most `most` triangles together, and so have the meshes of the colliders and the
-    ground. Meshes with equal content are stored once; geoms whose meshes have no triangles are dropped.
+    The visual meshes have at most `max_triangles` triangles together, and so have the meshes of the colliders
+    and the ground. Meshes with equal content are stored once; geoms whose meshes have no triangles are
+    dropped.
     """
     facets = {source: _facets(model, source) for _, source in shown if source is not None}
-    thinned = _simplified(facets, shown, most)
+    simplified = _simplified(facets, shown, max_triangles)
     entries: dict[str, dict[str, Any]] = {}
     order: dict[str, int] = {}
-    numbers: dict[Source, int | None] = {}
-    for key, mesh in thinned.items():
-        entry = triangles.stored(mesh, buffers)
+    index_of_source: dict[Source, int | None] = {}
+    for key, mesh in simplified.items():
+        entry = triangles.store(mesh, buffers)
         content = json.dumps(entry)
         if entry["faces"]:
             entries[content] = entry
-        numbers[key] = order.setdefault(content, len(order)) if entry["faces"] else None
+        index_of_source[key] = order.setdefault(content, len(order)) if entry["faces"] else None
     geoms = []
     for geom, source in shown:
-        number = None if source is None else numbers[source]
+        number = None if source is None else index_of_source[source]
         if source is None or number is not None:
             geoms.append({**geom, "mesh": number})
-    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(thinned, facets, shown)}
+    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(simplified, facets, shown)}
 
 
-def _simplified(facets: dict[Source, Facets], shown: list[Shown], most: int) -> dict[Source, Facets]:
-    thinned = dict(facets)
+def _simplified(facets: dict[Source, Facets], shown: list[Shown], max_triangles: int) -> dict[Source, Facets]:
+    simplified = dict(facets)
     for is_visual in (True, False):
         uses = Counter(
             source for geom, source in shown if source is not None and (geom["role"] == "visual") == is_visual
         )
-        thinned |= fitted({source: thinned[source] for source in uses}, uses, most)
-    return thinned
+        simplified |= fitted({source: simplified[source] for source in uses}, uses, max_triangles)
+    return simplified
 
 
 def _summary(
@@ -63,4 +64,8 @@ def _summary(
 
 def _facets(model: Any, source: Source) -> Facets:
     kind, index = source
-    return triangles.of_hfield(model, index) if kind == "hfield" else triangles.of_mesh(model, index)
+    return (
+        triangles.facets_of_hfield(model, index)
+        if kind == "hfield"
+        else triangles.facets_of_mesh(model, index)
+    )

@@ -36,15 +36,15 @@ class Buffers:
         return b"".join(self._parts)
 
 
-def packed(scene: Mapping[str, Any], buffers: Buffers) -> bytes:
-    """Returns the pack: the same bytes for the same scene and buffers."""
+def pack_bytes(scene: Mapping[str, Any], buffers: Buffers) -> bytes:
+    """Returns the pack of a header and its buffers: the same bytes whenever these are equal."""
     header = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     header += b" " * (-len(header) % _ALIGNMENT)
     content = struct.pack("<I", len(header)) + header + buffers.content()
     return gzip.compress(content, compresslevel=9, mtime=0)
 
 
-def unpacked(pack: bytes) -> tuple[dict[str, Any], bytes]:
+def read_pack(pack: bytes) -> tuple[dict[str, Any], bytes]:
     """Returns the header and the binary part of a pack."""
     content = gzip.decompress(pack)
     (length,) = struct.unpack_from("<I", content)

@@ -1,4 +1,4 @@
-"""Makes the whole pack of a robot from the folder with its files."""
+"""Makes the pack of a robot from the folder with its files."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -7,16 +7,16 @@ from typing import Any
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.show.live.actuators import actuators
 from linkwright.stages.show.live.beside_urdf import with_poses
-from linkwright.stages.show.live.compiled import LiveModel, compiled
+from linkwright.stages.show.live.compiled import LiveModel, compile_live
 from linkwright.stages.show.live.engine.copy import EngineCopy, NoCopy, engine_copy
 from linkwright.stages.show.live.geoms import geoms
 from linkwright.stages.show.live.links import links
 from linkwright.stages.show.live.mechanism import bodies, frames, joints, keyframes, loops, relations
 from linkwright.stages.show.live.meshes import stored_meshes
-from linkwright.stages.show.live.pack import VERSION, Buffers, packed
+from linkwright.stages.show.live.pack import VERSION, Buffers, pack_bytes
 from linkwright.stages.show.live.rounding import rounded, rounded_list
 
-_VIEW = 140.0, -20.0
+_DEFAULT_VIEW = 140.0, -20.0
 """Azimuth and elevation [degrees] of the view of a robot without a scene."""
 
 
@@ -33,15 +33,15 @@ def pack_of(
     """Makes the pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's
     table; `faces`: the largest number of triangles. Raises ValueError if MuJoCo refuses the file, or if the
     robot is too large."""
-    live = compiled(folder, source)
+    live = compile_live(folder, source)
     head = _head(live, robot, links(robot, colliders))
     if live.document is None:
         head = with_poses(head, robot)
     engine = _engine(live, folder)
-    if len(_packed(live, head, engine, 0)) > MAX_BYTES // 2:  # without triangles
+    if len(_pack_with(live, head, engine, 0)) > MAX_BYTES // 2:  # without triangles
         engine = NoCopy("the colliders are too large for a page")
     for attempt in range(_ATTEMPTS):
-        pack = _packed(live, head, engine, faces >> 2 * attempt)
+        pack = _pack_with(live, head, engine, faces // 4**attempt)
         if len(pack) <= MAX_BYTES:
             return pack
     raise ValueError(f"the robot is too large for a page: {len(pack) / 1e6:.0f} MB")
@@ -49,20 +49,20 @@ def pack_of(
 
 def _head(live: LiveModel, robot: Robot, link_entries: list[dict[str, Any]]) -> dict[str, Any]:
     """Returns the header without triangles and without the engine's copy."""
-    numbers = {entry["name"]: index for index, entry in enumerate(link_entries)}
-    moving = joints(live)
+    link_indices = {entry["name"]: index for index, entry in enumerate(link_entries)}
+    joint_entries = joints(live)
     return {
         "version": VERSION,
         "name": robot.name,
         "source": live.source,
-        "bodies": bodies(live, numbers),
-        "joints": moving,
+        "bodies": bodies(live, link_indices),
+        "joints": joint_entries,
         "relations": relations(live),
         "loops": loops(live),
         "keyframes": keyframes(live),
         "qpos0": rounded_list(live.model.qpos0),
         "activations": int(live.model.na),
-        "actuators": actuators(live, moving),
+        "actuators": actuators(live, joint_entries),
         "frames": frames(live),
         "gravity": rounded_list(live.model.opt.gravity),
         "timestep": rounded(live.model.opt.timestep),
@@ -71,14 +71,14 @@ def _head(live: LiveModel, robot: Robot, link_entries: list[dict[str, Any]]) -> 
     }
 
 
-def _packed(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, faces: int) -> bytes:
+def _pack_with(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, faces: int) -> bytes:
     buffers = Buffers()
     shown = stored_meshes(live.model, geoms(live), faces, buffers) if faces else {}
     if isinstance(engine, NoCopy):
-        return packed({**head, **shown, "engine": None, "no_engine": str(engine)}, buffers)
+        return pack_bytes({**head, **shown, "engine": None, "no_engine": str(engine)}, buffers)
     places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in engine.files.items()}
     copy = {"xml": engine.text, "files": places, "lacks": engine.lacks}
-    return packed({**head, **shown, "engine": copy, "no_engine": None}, buffers)
+    return pack_bytes({**head, **shown, "engine": copy, "no_engine": None}, buffers)
 
 
 def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:
@@ -91,7 +91,7 @@ def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:
 
 def _camera(live: LiveModel) -> dict[str, Any]:
     view = live.model.vis.global_
-    azimuth, elevation = _VIEW if live.document is None else (view.azimuth, view.elevation)
+    azimuth, elevation = _DEFAULT_VIEW if live.document is None else (view.azimuth, view.elevation)
     return {
         "center": rounded_list(live.model.stat.center),
         "extent": rounded(live.model.stat.extent),

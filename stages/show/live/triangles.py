@@ -10,10 +10,10 @@ from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.rounding import rounded_list
 
 STEPS = 65_535
-"""Number of steps of a coordinate, which is stored in 16 bits."""
+"""Number of steps along each axis of a mesh: a coordinate is stored in 16 bits."""
 
 _MAX_SHORT = 65_536
-"""Largest number of points of a mesh whose indices have 2 bytes."""
+"""Largest number of points of a mesh whose indices are stored in 2 bytes; others take 4."""
 
 Points = npt.NDArray[np.float64]
 Corners = npt.NDArray[np.int64]
@@ -33,9 +33,9 @@ class Facets:
         return float(np.linalg.norm(np.ptp(self.points, axis=0))) if len(self.points) else 0.0
 
 
-def of_mesh(model: Any, index: int) -> Facets:
-    """Returns the triangles of a mesh in the frame that its geoms' positions refer to; for a point cloud,
-    which has no triangles, its convex hull."""
+def facets_of_mesh(model: Any, index: int) -> Facets:
+    """Returns the triangles of a mesh as MuJoCo has centred and turned it: geoms' poses refer to this frame.
+    For a point cloud, which has no triangles, returns those of its convex hull."""
     first, count = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
     points = model.mesh_vert[first : first + count].astype(np.float64)
     first, count = int(model.mesh_faceadr[index]), int(model.mesh_facenum[index])
@@ -59,7 +59,7 @@ def hull_of(model: Any, index: int) -> Corners:
     return np.asarray(model.mesh_graph[begin : begin + 3 * faces], dtype=np.int64).reshape(-1, 3)
 
 
-def of_hfield(model: Any, index: int) -> Facets:
+def facets_of_hfield(model: Any, index: int) -> Facets:
     """Returns the triangles of a height field's surface."""
     rows, columns = int(model.hfield_nrow[index]), int(model.hfield_ncol[index])
     x, y, height, _ = (float(length) for length in model.hfield_size[index])
@@ -73,7 +73,7 @@ def of_hfield(model: Any, index: int) -> Facets:
     return Facets(points, corners.astype(np.int64), len(corners))
 
 
-def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
+def store(facets: Facets, buffers: Buffers) -> dict[str, Any]:
     """Stores a mesh and returns its entry in the header. Positions are multiples of a step from an origin;
     equal points are merged, and triangles without three different points are dropped."""
     points = facets.points if len(facets.points) else np.zeros((1, 3))
@@ -81,13 +81,13 @@ def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
     step = np.array(rounded_list(np.ptp(points, axis=0) / STEPS))
     scaled = (points - origin) / np.where(step > 0.0, step, 1.0)
     steps = np.clip(np.rint(scaled), 0, STEPS).astype(np.uint16)
-    places, corners = _welded(steps, facets.corners)
-    width = 2 if len(places) <= _MAX_SHORT else 4
+    positions, corners = _welded(steps, facets.corners)
+    width = 2 if len(positions) <= _MAX_SHORT else 4
     kind = "<u2" if width == 2 else "<u4"
     return {
         "positions": {
-            "at": buffers.add(places.astype("<u2").tobytes()),
-            "count": len(places),
+            "at": buffers.add(positions.astype("<u2").tobytes()),
+            "count": len(positions),
             "origin": origin.tolist(),
             "step": step.tolist(),
         },
@@ -100,14 +100,16 @@ def stored(facets: Facets, buffers: Buffers) -> dict[str, Any]:
 def _welded(steps: npt.NDArray[np.uint16], corners: Corners) -> tuple[npt.NDArray[np.uint16], Corners]:
     """Merges equal points; returns the points in the order in which triangles use them, and the triangles."""
     keys = steps.astype(np.int64) @ np.array([1 << 32, 1 << 16, 1])
-    _, first_index, same = np.unique(keys, return_index=True, return_inverse=True)
-    mapped = same.ravel()[corners]
+    _, first_index, index_of_point = np.unique(keys, return_index=True, return_inverse=True)
+    welded_corners = index_of_point.ravel()[corners]
     has_area = (
-        (mapped[:, 0] != mapped[:, 1]) & (mapped[:, 1] != mapped[:, 2]) & (mapped[:, 2] != mapped[:, 0])
+        (welded_corners[:, 0] != welded_corners[:, 1])
+        & (welded_corners[:, 1] != welded_corners[:, 2])
+        & (welded_corners[:, 2] != welded_corners[:, 0])
     )
-    mapped = mapped[has_area]
-    used, appears = np.unique(mapped, return_index=True)
-    order = used[np.argsort(appears, kind="stable")]
+    welded_corners = welded_corners[has_area]
+    used_points, first_use = np.unique(welded_corners, return_index=True)
+    order = used_points[np.argsort(first_use, kind="stable")]
     new_index = np.zeros(len(first_index), dtype=np.int64)
     new_index[order] = np.arange(len(order))
-    return steps[first_index[order]], new_index[mapped]
+    return steps[first_index[order]], new_index[welded_corners]

@@ -6,16 +6,16 @@ process of its own beside the build. So it is the same on every machine, and nev
 change that does not affect the look nothing is drawn.
 
 - ask: Runs the guest process that draws, within limits of time and memory.
-- bones: Makes the shapes of a robot without any: a ball at each body, and a bone to its parent.
+- bones: Makes shapes for a robot without shapes: a ball at each body, and a bone to its parent.
 - camera: Places the camera so that the whole robot is in the picture, and projects points.
 - compiled: Takes the look of a robot from the model that MuJoCo compiled, at its keyframe `home`.
 - from_model: Takes the look of a robot from its geometry, with its links at given poses, without any engine.
-- guest: Draws the robot in a guest process, since many triangles take memory and time.
+- guest: Draws a picture of the robot, in a guest process, since many triangles take memory and time.
 - look: Describes the look of a robot as plain data: shapes, their poses at `home`, colours, and the camera.
 - model_text: Writes the text that MuJoCo compiles: an MJCF or URDF that refers to no other files than meshes.
 - solids: Makes the surfaces of MuJoCo's primitive shapes, as triangles (m, 3, 3) [m].
 - surface: Makes the triangles of a look.
-- thinning: Thins the triangles of a robot that has more than the picture has pixels.
+- thinning: Reduces the triangles of a robot with more details than the picture has pixels.
 - thumbnail: Draws a thumbnail of the robot, a small square picture, in a guest process.
 - turning: Draws the robot, and the robot as it turns, in a guest process.
 - vectors: Converts vectors of numpy to the form that a look has: rounded, and plain data.

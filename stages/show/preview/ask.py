@@ -30,14 +30,15 @@ _ENVIRON = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_TH
 
 @dataclass(frozen=True, slots=True)
 class Painter:
-    """A guest that draws: its module and its limits. None for those of the kind of preview."""
+    """A guest that draws: its module and its limits; None for those that belong to the kind of preview."""
 
     module: str | None = None
     bounds: Bounds | None = None
 
 
 class Painting:
-    """Draws pictures in a guest process beside this process; `seconds`: the time that the drawing took."""
+    """Pictures that a guest process draws while this process goes on. `seconds`: the time [s] that it
+    took."""
 
     def __init__(self, look: Look, kind: Kind) -> None:
         self.seconds = 0.0
@@ -47,7 +48,7 @@ class Painting:
         self._thread.start()
 
     def result(self) -> Mapping[str, bytes]:
-        """Waits for the pictures, and returns them by name, as `drawn` does."""
+        """Waits for the pictures, and returns them by name, as `pictures_of` does."""
         self._thread.join()
         return self._pictures
 
@@ -58,24 +59,24 @@ class Painting:
 
     def _run(self, look: Look, kind: Kind) -> None:
         start = time.perf_counter()
-        self._pictures = drawn(look, kind, halt=self._halt)
+        self._pictures = pictures_of(look, kind, halt=self._halt)
         self.seconds = time.perf_counter() - start
 
 
 def thumbnail(look: Look) -> bytes | str:
     """Returns the PNG of a thumbnail, or the reason why there is none."""
-    drawing = drawn(look, "png", Painter("linkwright.stages.show.preview.thumbnail"))
+    drawing = pictures_of(look, "png", Painter("linkwright.stages.show.preview.thumbnail"))
     if THUMBNAIL in drawing:
         return drawing[THUMBNAIL]
-    (why,) = drawing.values()
-    return str(json.loads(why)["why"])
+    (refusal,) = drawing.values()
+    return str(json.loads(refusal)["why"])
 
 
-def drawn(
+def pictures_of(
     look: Look, kind: Kind, by: Painter = Painter(), halt: threading.Event | None = None
 ) -> dict[str, bytes]:
-    """Returns the pictures by name. If drawing fails, the only entry has the reason: `ENDED` if another try
-    may succeed, else `REFUSED`."""
+    """Returns the pictures by name. If drawing fails, the only entry has the reason as JSON, and the name
+    `ENDED` if another try may succeed, else `REFUSED`."""
     bounds = by.bounds or (TURN_BOUNDS if kind == "turn" else BOUNDS)
     try:
         return _pictures_in(

@@ -1,4 +1,4 @@
-"""Makes the shapes of a robot without any: a ball at each body, and a bone to its parent."""
+"""Makes shapes for a robot without shapes: a ball at each body, and a bone to its parent."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,19 +13,19 @@ _JOINT_COLOUR = (0.93, 0.45, 0.16, 1.0)
 """Colours of bones, and of joints."""
 
 
-def bones(places: Numbers, parents: Sequence[int | None]) -> Iterator[Geom]:
-    """Yields the shapes for bodies at `places` (n, 3) [m]. `parents`: the row of each body's parent, None
+def bones(positions: Numbers, parents: Sequence[int | None]) -> Iterator[Geom]:
+    """Yields the shapes for bodies at `positions` (n, 3) [m]. `parents`: the row of each body's parent, None
     without a parent."""
-    extent = float(np.ptp(places, axis=0).max()) or 0.1
-    for position, parent in zip(places, parents, strict=True):
+    extent = float(np.ptp(positions, axis=0).max()) or 0.1
+    for position, parent in zip(positions, parents, strict=True):
         ball = (0.035 * extent,) * 3
         yield Geom("ellipsoid", ball, vector(position), vector(np.eye(3)), _JOINT_COLOUR)
-        along = position - places[parent] if parent is not None else np.zeros(3)
+        along = position - positions[parent] if parent is not None else np.zeros(3)
         length = float(np.linalg.norm(along))
         if length > 0:
             z = along / length
             x = np.cross(z, np.eye(3)[int(np.abs(z).argmin())])
             x = x / np.linalg.norm(x)
-            turn = np.stack([x, np.cross(z, x), z], axis=1)
+            rotation = np.stack([x, np.cross(z, x), z], axis=1)
             size = (0.014 * extent, length / 2)
-            yield Geom("capsule", size, vector(position - along / 2), vector(turn), _BONE_COLOUR)
+            yield Geom("capsule", size, vector(position - along / 2), vector(rotation), _BONE_COLOUR)

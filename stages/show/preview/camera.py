@@ -8,10 +8,10 @@ import numpy.typing as npt
 
 from linkwright.stages.show.raster import Numbers
 
-_OPENING = 28.0
+_VERTICAL_ANGLE = 28.0
 """Vertical angle of view [deg]; smaller than in simulators, for less distortion."""
 
-_FILLED = 0.86
+_MAX_FILLED_SHARE = 0.86
 """Share of the picture's width or height that the robot fills at most."""
 
 
@@ -37,12 +37,12 @@ class Camera:
     def projected(self, points: Numbers) -> Numbers:
         """Projects points (..., 3): returns pixels to the right, pixels down, and nearness. Nearness is
         1/depth [1/m], since it is linear in the picture: so straight lines stay straight."""
-        kind = points.dtype
-        camera_points = (points - self.position.astype(kind)) @ self.world_from_camera.astype(kind)
-        near = -1.0 / camera_points[..., 2]
-        camera_points[..., 0] = self.width / 2 + self.focal * camera_points[..., 0] * near
-        camera_points[..., 1] = self.height / 2 - self.focal * camera_points[..., 1] * near
-        camera_points[..., 2] = near
+        dtype = points.dtype
+        camera_points = (points - self.position.astype(dtype)) @ self.world_from_camera.astype(dtype)
+        nearness = -1.0 / camera_points[..., 2]
+        camera_points[..., 0] = self.width / 2 + self.focal * camera_points[..., 0] * nearness
+        camera_points[..., 1] = self.height / 2 - self.focal * camera_points[..., 1] * nearness
+        camera_points[..., 2] = nearness
         return camera_points
 
     def rays(self, right: npt.NDArray[Any], down: npt.NDArray[Any]) -> Numbers:
@@ -57,16 +57,16 @@ def framing(points: Numbers, backward: Numbers, width: int, height: int) -> Came
     """Returns the nearest camera that has all points (n, 3) [m] in the picture.
 
     The camera looks against `backward` (3,), with z up. The points are in the middle of the picture, and fill
-    `_FILLED` of its height or of its width. The camera's position follows from the four planes through it
-    that bound the view: each plane touches the points that are farthest out.
+    `_MAX_FILLED_SHARE` of its height or of its width. The camera's position follows from the four planes
+    through it that bound the view: each plane touches the points that are farthest out.
     """
     axes = _axes(backward)
-    focal = height / 2 / np.tan(np.radians(_OPENING) / 2)
+    focal = height / 2 / np.tan(np.radians(_VERTICAL_ANGLE) / 2)
     camera_points = points @ axes.astype(points.dtype)
     position = np.zeros(3)
     depths = []
     for axis, size in enumerate((width, height)):
-        slope = _FILLED * size / 2 / focal
+        slope = _MAX_FILLED_SHARE * size / 2 / focal
         after = float((camera_points[:, axis] + slope * camera_points[:, 2]).max())
         before = float((-camera_points[:, axis] + slope * camera_points[:, 2]).max())
         position[axis] = (after - before) / 2

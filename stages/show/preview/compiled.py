@@ -38,13 +38,13 @@ def look_of_files(path: str, files: Mapping[str, bytes]) -> Look:
         if path.endswith(".urdf"):
             text, meshes = urdf_text(path, files)
             return look_of(compiled_text(text, meshes), _home(files["robot.json"]))
-        for whole in (False, True):
-            model = mjcf_text(path, files, whole=whole)
+        for keeps_meshes in (False, True):
+            model = mjcf_text(path, files, whole=keeps_meshes)
             try:
                 return look_of(compiled_text(model.text, model.files), {}, model.meshes)
             except NotCompiled:
                 # Without its meshes a body may have no mass.
-                if whole or not model.meshes:
+                if keeps_meshes or not model.meshes:
                     raise
     except (ValueError, KeyError) as error:
         words = " ".join(str(error).split())[:300]
@@ -73,11 +73,11 @@ def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, Mesh] 
     mujoco.mj_kinematics(model, data)
     mujoco.mj_camlight(model, data)
     blobs = _Blobs(model, meshes or {})
-    geoms = [_geom(model, data, geom, blobs) for geom in _shown(model)] or list(_bones(model, data))
+    geoms = [_geom(model, data, geom, blobs) for geom in _visible_geoms(model)] or list(_bones(model, data))
     return Look(tuple(geoms), _backward(model, data), tuple(blobs.blobs))
 
 
-def _shown(model: Any) -> list[int]:
+def _visible_geoms(model: Any) -> list[int]:
     """Returns the visible geoms: the purely visual geoms, else the colliders; never the ground."""
     kinds = mujoco.mjtGeom
     ground = {int(kinds.mjGEOM_PLANE), int(kinds.mjGEOM_HFIELD)}
@@ -100,7 +100,7 @@ def _colour(model: Any, geom: int) -> Numbers:
 
 def _geom(model: Any, data: Any, geom: int, blobs: _Blobs) -> Geom:
     solid, size, blob, scale = _solid(model, geom, blobs)
-    image, repeat, tint = blobs.texture(geom, placed=blob >= 0)
+    image, repeat, tint = blobs.texture(geom, has_own_mesh=blob >= 0)
     return Geom(
         solid,
         size,
@@ -147,20 +147,21 @@ class _Blobs:
 
     def stl(self, mesh: Mesh) -> int:
         """Returns the index of the blob with the file of a mesh."""
-        return self._kept(mesh.path, lambda: Blob("stl", mesh.data))
+        return self._stored(mesh.path, lambda: Blob("stl", mesh.data))
 
     def mesh(self, mesh: int) -> int:
         """Returns the index of the blob with a mesh as MuJoCo compiled it."""
-        return self._kept(("mesh", mesh), lambda: Blob("corners", self._corners(mesh)))
+        return self._stored(("mesh", mesh), lambda: Blob("corners", self._corners(mesh)))
 
-    def _kept(self, key: object, make: Any) -> int:
+    def _stored(self, key: object, make: Any) -> int:
         if key not in self._numbers:
             self._numbers[key] = len(self.blobs)
             self.blobs.append(make())
         return self._numbers[key]
 
     def _corners(self, mesh: int) -> bytes:
-        """Returns the corners of a mesh, and their places in an image, if the mesh has any."""
+        """Returns the corners of a mesh, then their places in an image (0 without texture coordinates), as in
+        `Blob.data`."""
         model = self._model
         first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
         vertices = np.asarray(model.mesh_vert[first : first + count], dtype="<f4")
@@ -168,27 +169,27 @@ class _Blobs:
         corners = vertices[np.asarray(model.mesh_face[start : start + number])]
         places = np.zeros((number, 3, 2), dtype="<f4")
         if (texcoord_start := int(model.mesh_texcoordadr[mesh])) >= 0:
-            which = np.asarray(model.mesh_facetexcoord[start : start + number])
-            places = np.asarray(model.mesh_texcoord, dtype="<f4")[texcoord_start + which]
+            texcoord_indices = np.asarray(model.mesh_facetexcoord[start : start + number])
+            places = np.asarray(model.mesh_texcoord, dtype="<f4")[texcoord_start + texcoord_indices]
         return bytes(corners.tobytes() + places.tobytes())
 
-    def texture(self, geom: int, *, placed: bool) -> tuple[int, Numbers, Numbers]:
+    def texture(self, geom: int, *, has_own_mesh: bool) -> tuple[int, Numbers, Numbers]:
         """Returns the index of the blob with a geom's image (-1 without one), its repetition, and a factor of
         the geom's colour: the mean colour of an image that MuJoCo maps by its own rules, else white."""
         model = self._model
-        plain = -1, np.ones(2), np.ones(3)
+        without_image = -1, np.ones(2), np.ones(3)
         material = int(model.geom_matid[geom])
         if material < 0:
-            return plain
+            return without_image
         texture = int(np.reshape(model.mat_texid[material], -1)[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)])
         if texture < 0:
-            return plain
+            return without_image
         pixels = self._pixels(texture)
         is_flat = int(model.tex_type[texture]) == int(mujoco.mjtTexture.mjTEXTURE_2D)
         mesh = int(model.geom_dataid[geom])
-        if not placed or not is_flat or mesh < 0 or int(model.mesh_texcoordadr[mesh]) < 0:
+        if not has_own_mesh or not is_flat or mesh < 0 or int(model.mesh_texcoordadr[mesh]) < 0:
             return -1, np.ones(2), pixels.reshape(-1, 3).mean(axis=0) / 255.0
-        image = self._kept(("image", texture), lambda: Blob("image", pixels.tobytes(), len(pixels)))
+        image = self._stored(("image", texture), lambda: Blob("image", pixels.tobytes(), len(pixels)))
         return image, np.asarray(model.mat_texrepeat[material], dtype=np.float64), np.ones(3)
 
     def _pixels(self, texture: int) -> Any:

@@ -24,11 +24,11 @@ def look_of_model(robot: Robot, geometry: Geometry, world_from_link: Mapping[str
     """Returns the look of a robot whose links are at these poses (4, 4): its visual shapes, else its
     colliders, else bones."""
     blobs = _ModelBlobs(geometry.files)
-    geoms = [_geom(shape, world_from_link[shape.link], blobs) for shape in _shown(geometry.shapes)]
+    geoms = [_geom(shape, world_from_link[shape.link], blobs) for shape in _visible_shapes(geometry.shapes)]
     return Look(tuple(geoms or _bones(robot, world_from_link)), THREE_QUARTER, tuple(blobs.blobs))
 
 
-def _shown(shapes: Sequence[Shape]) -> list[Shape]:
+def _visible_shapes(shapes: Sequence[Shape]) -> list[Shape]:
     for role in ("visual", "collision"):
         visible = [shape for shape in shapes if shape.role == role and (shape.colour or NEUTRAL)[3] > UNSEEN]
         if visible:
@@ -41,12 +41,12 @@ def _geom(shape: Shape, world_from_link: Array, blobs: "_ModelBlobs") -> Geom:
     primitive = shape.primitive
     if primitive is not None:
         world_from_shape = world_from_link @ primitive.link_from_shape
-        place, turn = vector(world_from_shape[:3, 3]), vector(world_from_shape[:3, :3])
-        return Geom(_SOLIDS[primitive.kind], _size(primitive.kind, primitive.size), place, turn, colour)
+        place, rotation = vector(world_from_shape[:3, 3]), vector(world_from_shape[:3, :3])
+        return Geom(_SOLIDS[primitive.kind], _size(primitive.kind, primitive.size), place, rotation, colour)
     assert shape.file is not None
-    place, turn = vector(world_from_link[:3, 3]), vector(world_from_link[:3, :3])
+    place, rotation = vector(world_from_link[:3, 3]), vector(world_from_link[:3, :3])
     image = blobs.image(shape.texture) if shape.texture else -1
-    return Geom("mesh", (), place, turn, colour, blobs.mesh(shape.file), image=image)
+    return Geom("mesh", (), place, rotation, colour, blobs.mesh(shape.file), image=image)
 
 
 def _size(kind: str, size: Vector) -> Vector:

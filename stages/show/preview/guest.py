@@ -1,4 +1,4 @@
-"""Draws the robot in a guest process, since many triangles take memory and time."""
+"""Draws a picture of the robot, in a guest process, since many triangles take memory and time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from linkwright.stages.formats import png
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.show.preview import PICTURE, SMALL
 from linkwright.stages.show.preview.drawing.painting import draw_picture
-from linkwright.stages.show.preview.drawing.pixels import reduced
+from linkwright.stages.show.preview.drawing.pixels import reduce_picture
 from linkwright.stages.show.preview.drawing.studio import LitRobot, studio
 from linkwright.stages.show.preview.look import unpacked
 from linkwright.stages.show.preview.surface import surface_of
@@ -24,9 +24,11 @@ SIZE = 960, 720
 """Width and height of the picture [pixels]."""
 
 REDUCTIONS = (2, 3, 4, 6)
-"""Factors to try for the small picture; the first one that gives few enough bytes is taken."""
+"""Factors by which the small picture may be smaller; the first that gives at most `MAX_SMALL_BYTES` is
+used."""
 
 MAX_SMALL_BYTES = 66_000
+"""Largest size of the small picture [bytes], if a factor allows it."""
 
 
 def answer(request: bytes) -> bytes:
@@ -61,7 +63,7 @@ def reply(files: Mapping[str, bytes]) -> bytes:
 def _small(large: Pixels) -> bytes:
     """Returns the picture as a PNG, reduced until it has few enough bytes for a page."""
     for factor in REDUCTIONS:
-        data = png.encode(reduced(large, factor))
+        data = png.encode(reduce_picture(large, factor))
         if len(data) <= MAX_SMALL_BYTES:
             break
     return data

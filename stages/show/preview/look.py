@@ -73,7 +73,7 @@ class Look:
     blobs: tuple[Blob, ...]
 
     def key(self) -> dict[str, Any]:
-        """Returns the identity of the look, as plain data."""
+        """Returns all on which a picture of the look depends, as plain data for cache keys."""
         blobs = [[blob.packing, blob.height, sha256(blob.data).hexdigest()] for blob in self.blobs]
         return {"geoms": _plain(self.geoms), "backward": self.backward, "blobs": blobs}
 

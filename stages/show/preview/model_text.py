@@ -19,7 +19,7 @@ _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
 40,000 triangles."""
 
 _COPYING = ("attach", "composite", "flexcomp", "plugin", "replicate")
-"""Elements that create bodies from other elements, under other names."""
+"""Elements that create bodies from other elements, under other names: such a model keeps its meshes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,19 +69,19 @@ def _without_meshes(root: Element, files: Mapping[str, bytes]) -> dict[str, Mesh
             if not is_plain or not is_binary_stl(files.get(paths[name], b"")):
                 meshes.pop(name, None)
             users.setdefault(name, []).append(element)
-    removed: dict[str, Mesh] = {}
+    removed_meshes: dict[str, Mesh] = {}
     for name, mesh in meshes.items():
         scale = tuple(float(number) for number in mesh.get("scale", "1 1 1").split())
         for geom in users.get(name, ()):
             del geom.attrib["mesh"]
-            geom.attrib.update({"name": f"preview:{len(removed)}", **geom.attrib, **_PLACEHOLDER})
-            removed[geom.get("name")] = Mesh(paths[name], files[paths[name]], scale)
+            geom.attrib.update({"name": f"preview:{len(removed_meshes)}", **geom.attrib, **_PLACEHOLDER})
+            removed_meshes[geom.get("name")] = Mesh(paths[name], files[paths[name]], scale)
         mesh.getparent().remove(mesh)
-    return removed
+    return removed_meshes
 
 
 def _plain_name(mesh: Element) -> str:
-    """Returns the name of a mesh in an MJCF that is merely its scaled file; "" for other meshes."""
+    """Returns the name of an MJCF's mesh that only scales its file; "" for other meshes."""
     if set(mesh.attrib) - {"name", "file", "scale", "inertia", "maxhullvert", "class"}:
         return ""
     stem = mesh.get("file", "").rpartition("/")[2].rpartition(".")[0]
@@ -97,9 +97,9 @@ class _DefaultTypes:
         for top in root.iterfind("default"):
             self._main = self._read(top, self._main)
 
-    def _read(self, default: Element, above: str) -> str:
+    def _read(self, default: Element, inherited_type: str) -> str:
         geom = default.find("geom")
-        type_ = above if geom is None else str(geom.get("type", above))
+        type_ = inherited_type if geom is None else str(geom.get("type", inherited_type))
         if default.get("class"):
             self._types[default.get("class")] = type_
         for inner in default.iterfind("default"):
@@ -119,7 +119,7 @@ def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[bytes, Mapping[str
     folder = path.rpartition("/")[0]
     root = parse(files[path])
     files = {**files, **_with_stl(root, folder, files)}
-    keep_all_links(root, lambda name: _place(name, folder, files))
+    keep_all_links(root, lambda name: _path_among_files(name, folder, files))
     return to_bytes(root), files
 
 
@@ -128,17 +128,17 @@ def _with_stl(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[st
     by their paths. A malformed GLB stays."""
     stls: dict[str, bytes] = {}
     for mesh in root.xpath("link/visual/geometry/mesh[contains(@filename, '.glb')]"):
-        place, visual = _place(mesh.get("filename"), folder, files), mesh.getparent().getparent()
+        path, visual = _path_among_files(mesh.get("filename"), folder, files), mesh.getparent().getparent()
         try:
-            pieces = glb.coloured(files[place]) if place is not None else []
+            pieces = glb.coloured(files[path]) if path is not None else []
         except ProtocolError:
             continue
         for number, (corners, colour) in enumerate(pieces):
-            stls[f"{place}.{number}.stl"] = binary_stl(corners)
+            stls[f"{path}.{number}.stl"] = binary_stl(corners)
             piece = deepcopy(visual)
             piece.find("geometry/mesh").set("filename", f"{mesh.get('filename')}.{number}.stl")
             if piece.find("material") is None:
-                material = xml.element(piece, "material", name=f"{place}.{number}")
+                material = xml.element(piece, "material", name=f"{path}.{number}")
                 xml.element(material, "color", rgba=spaced(colour))
             visual.addprevious(piece)
         if pieces:
@@ -146,18 +146,18 @@ def _with_stl(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[st
     return stls
 
 
-def _place(name: str, folder: str, files: Mapping[str, bytes]) -> str | None:
+def _path_among_files(name: str, folder: str, files: Mapping[str, bytes]) -> str | None:
     """Returns the path among the files that a name in a URDF refers to; None without such a file. The package
     of `package://` is a folder above the URDF's, or the top folder of the files."""
     if not name.startswith("package://"):
         path = normpath(join(folder, name))
         return path if path in files else None
-    inner = name.removeprefix("package://").partition("/")[2]
-    above = folder
+    path_in_package = name.removeprefix("package://").partition("/")[2]
+    parent_folder = folder
     while True:
-        path = normpath(join(above, inner))
+        path = normpath(join(parent_folder, path_in_package))
         if path in files:
             return path
-        if not above:
+        if not parent_folder:
             return None
-        above = above.rpartition("/")[0]
+        parent_folder = parent_folder.rpartition("/")[0]

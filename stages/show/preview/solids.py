@@ -13,19 +13,19 @@ _RINGS = 12
 
 def ellipsoid(radii: Numbers) -> Corners:
     """Returns an ellipsoid about the origin; `radii` (3,) [m] along x, y and z."""
-    return _turned(_half_circle()) * radii
+    return _surface_of_revolution(_half_circle()) * radii
 
 
 def capsule(radius: float, half: float) -> Corners:
     """Returns a capsule along z; the cylinder between its half balls is 2 `half` long [m]."""
     circle = _half_circle() * radius
-    away = np.array([0.0, half])
-    return _turned(np.concatenate([circle[: _RINGS + 1] - away, circle[_RINGS:] + away]))
+    shift = np.array([0.0, half])
+    return _surface_of_revolution(np.concatenate([circle[: _RINGS + 1] - shift, circle[_RINGS:] + shift]))
 
 
 def cylinder(radius: float, half: float) -> Corners:
     """Returns a cylinder along z, 2 `half` long [m]."""
-    return _turned(np.array([(0.0, -half), (radius, -half), (radius, half), (0.0, half)]))
+    return _surface_of_revolution(np.array([(0.0, -half), (radius, -half), (radius, half), (0.0, half)]))
 
 
 def box(half: Numbers) -> Corners:
@@ -49,7 +49,7 @@ def _half_circle() -> Numbers:
     return points
 
 
-def _turned(profile: Numbers) -> Corners:
+def _surface_of_revolution(profile: Numbers) -> Corners:
     """Returns the surface that a profile of (radius, z) points forms when it is turned about z."""
     turns = np.linspace(0, 2 * np.pi, _SIDES + 1)
     turns[-1] = 0.0

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from linkwright.stages.formats.meshes.points import mesh_points
 from linkwright.stages.show.preview import solids
 from linkwright.stages.show.preview.look import Blob, Geom, Look
-from linkwright.stages.show.preview.thinning import thinned
+from linkwright.stages.show.preview.thinning import merge_details
 from linkwright.stages.show.raster import Corners, Indices, Numbers
 
 Single = npt.NDArray[np.float32]
@@ -48,7 +48,7 @@ class Triangles:
 
 def surface_of(look: Look) -> Triangles:
     """Returns the triangles of a look. Raises ValueError if no part of it has finite coordinates."""
-    pieces = _fewer([_corners(geom, look.blobs) for geom in look.geoms])
+    pieces = _with_pixel_details([_corners(geom, look.blobs) for geom in look.geoms])
     corners = np.concatenate([piece for piece, _ in pieces])
     geom = np.repeat(np.arange(len(pieces), dtype=np.int64), [len(piece) for piece, _ in pieces])
     image_blobs = sorted({geom.image for geom in look.geoms} - {-1})
@@ -66,13 +66,13 @@ def surface_of(look: Look) -> Triangles:
     return Triangles(corners, geom, colours, image, images, places)
 
 
-def _fewer(pieces: list[_Piece]) -> list[_Piece]:
+def _with_pixel_details(pieces: list[_Piece]) -> list[_Piece]:
     """Returns the pieces; if they have too many triangles, without details smaller than a pixel."""
     if sum(len(corners) for corners, _ in pieces) <= _MAX_TRIANGLES:
         return pieces
-    ends = np.array([(corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) for corners, _ in pieces])
-    cell = float(np.ptp(ends.reshape(-1, 3), axis=0).max()) / _CELLS
-    thinned_pieces = [thinned(corners, cell) for corners, _ in pieces]
+    bounds = np.array([(corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) for corners, _ in pieces])
+    cell = float(np.ptp(bounds.reshape(-1, 3), axis=0).max()) / _CELLS
+    thinned_pieces = [merge_details(corners, cell) for corners, _ in pieces]
     return [(corners, np.zeros((len(corners), 3, 2), dtype=np.float32)) for corners in thinned_pieces]
 
 

@@ -1,4 +1,4 @@
-"""Thins the triangles of a robot that has more than the picture has pixels."""
+"""Reduces the triangles of a robot with more details than the picture has pixels."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from linkwright.stages.show.clusters import cell_means
 from linkwright.stages.show.raster import Corners
 
 
-def thinned(corners: Corners, cell: float) -> Corners:
+def merge_details(corners: Corners, cell: float) -> Corners:
     """Merges the corners of triangles (m, 3, 3) in each cell of a grid, `cell` wide, to their mean. Drops
     triangles with two corners in a cell, and duplicates."""
     points = corners.reshape(-1, 3)
@@ -17,5 +17,5 @@ def thinned(corners: Corners, cell: float) -> Corners:
     number = len(means)
     keys = (faces[has_area, 0] * number + faces[has_area, 1]) * number + faces[has_area, 2]
     _, first = np.unique(keys, return_index=True)
-    thin: Corners = means[faces[has_area][first]]
-    return thin
+    merged_corners: Corners = means[faces[has_area][first]]
+    return merged_corners

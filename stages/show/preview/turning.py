@@ -1,18 +1,20 @@
-"""Draws the robot, and the robot as it turns, in a guest process; needs pillow (the extra `turn`)."""
+"""Draws the robot, also as an animation in which it turns, in a guest process; needs pillow (extra
+`turn`)."""
 
 import math
 
 from linkwright.stages.show.preview import TURN
 from linkwright.stages.show.preview.drawing.painting import draw_picture
-from linkwright.stages.show.preview.drawing.studio import LitRobot, swept, turned_by
+from linkwright.stages.show.preview.drawing.studio import LitRobot, swept_points, turned_by
 from linkwright.stages.show.preview.guest import pictures, reply, scene
 from linkwright.stages.show.preview.webp import encode
 
 SIZE = 480, 360
+"""Width and height of the animation [pixels]."""
 FRAMES = 36
 """Number of frames of a turn."""
 
-FRAME = 100
+FRAME_TIME = 100
 """Time that each frame is shown [ms]."""
 
 
@@ -24,6 +26,8 @@ def answer(request: bytes) -> bytes:
 
 def _turn(robot: LitRobot) -> bytes:
     """Returns a WebP with a full turn of the robot, in a loop."""
-    framed = swept(robot)
+    framed_points = swept_points(robot)
     angles = [2 * math.pi * frame / FRAMES for frame in range(FRAMES)]
-    return encode([draw_picture(turned_by(robot, angle), *SIZE, points=framed) for angle in angles], FRAME)
+    return encode(
+        [draw_picture(turned_by(robot, angle), *SIZE, points=framed_points) for angle in angles], FRAME_TIME
+    )

@@ -10,8 +10,9 @@ from linkwright.stages.show.raster import Pixels
 QUALITY = 90
 
 
-def encode(frames: Sequence[Pixels], shown: int) -> bytes:
-    """Encodes pictures of the same size as an animation in a loop; `shown`: the time [ms] of each picture."""
+def encode(frames: Sequence[Pixels], duration: int) -> bytes:
+    """Encodes pictures of the same size as an animation in a loop; `duration`: the time [ms] of each
+    picture."""
     images = [Image.fromarray(frame) for frame in frames]
     file = io.BytesIO()
     images[0].save(
@@ -19,7 +20,7 @@ def encode(frames: Sequence[Pixels], shown: int) -> bytes:
         format="WEBP",
         save_all=True,
         append_images=images[1:],
-        duration=shown,
+        duration=duration,
         loop=0,
         quality=QUALITY,
         method=4,

@@ -18,7 +18,7 @@ from linkwright.stages.mesh.view.pictures import SIDE, picture
 from linkwright.stages.mesh.view.views import PICTURES, views
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Shape
 from linkwright.stages.robot.model.robot import Primitive, frozen
-from linkwright.stages.show.raster import drawn, work
+from linkwright.stages.show.raster import picture_of_triangles, work
 from tests.support.pictures import pixels_of
 from tests.support.robots import at
 from tests.support.solids import box, of_mesh
@@ -49,7 +49,7 @@ def test_each_pixel_shows_the_triangle_that_is_nearest_there(seed):
     random, side = np.random.default_rng(seed), 16
     corners = random.uniform(-4, side + 4, (14, 3, 3))
     colours = np.arange(14 * 3, dtype=np.uint8).reshape(14, 3)
-    image = drawn(corners, colours, WHITE, side)
+    image = picture_of_triangles(corners, colours, WHITE, side)
     checked = 0
     for row, column in np.ndindex(side, side):
         x, y = column + 0.5, row + 0.5
@@ -67,11 +67,13 @@ def test_neither_order_nor_number_of_triangles_at_once_matters(monkeypatch):
     random = np.random.default_rng(5)
     corners = random.uniform(0, 40, (60, 3, 3))
     colours = random.integers(0, 255, (60, 3)).astype(np.uint8)
-    whole = drawn(corners, colours, WHITE, 40)
+    whole = picture_of_triangles(corners, colours, WHITE, 40)
     order = random.permutation(60)
     monkeypatch.setattr("linkwright.stages.show.raster._MAX_BATCH", 500)
-    assert np.array_equal(drawn(corners[order], colours[order], WHITE, 40), whole)
-    assert np.array_equal(drawn(np.zeros((0, 3, 3)), colours[:0], WHITE, 2), np.full((2, 2, 3), 255))
+    assert np.array_equal(picture_of_triangles(corners[order], colours[order], WHITE, 40), whole)
+    assert np.array_equal(
+        picture_of_triangles(np.zeros((0, 3, 3)), colours[:0], WHITE, 2), np.full((2, 2, 3), 255)
+    )
 
 
 def test_triangles_that_meet_leave_no_gap():
@@ -79,7 +81,7 @@ def test_triangles_that_meet_leave_no_gap():
     turns = np.linspace(0, 2 * np.pi, 400)
     rim = np.column_stack([20 + 60 * np.cos(turns), 20 + 60 * np.sin(turns), np.zeros(400)])
     fan = np.stack([np.broadcast_to([20.0, 20, 0], (399, 3)), rim[:-1], rim[1:]], axis=1)
-    assert (drawn(fan, np.zeros((399, 3), dtype=np.uint8), WHITE, 40) == 0).all()
+    assert (picture_of_triangles(fan, np.zeros((399, 3), dtype=np.uint8), WHITE, 40) == 0).all()
 
 
 def shape(role, primitive=None, colour=None, name=None):
@@ -179,7 +181,7 @@ def test_links_that_miss_come_first_where_there_is_no_room_for_all(monkeypatch):
 def test_links_that_would_take_too_long_are_left_out_before_they_are_drawn(monkeypatch):
     corners = np.random.default_rng(2).uniform(-1, 1, (150_000, 3))
     wild = stl.write(Surface(corners, np.arange(150_000).reshape(-1, 3)))
-    monkeypatch.setattr(room, "drawn", lambda *_: pytest.fail("it was drawn"))
+    monkeypatch.setattr(room, "picture_of_triangles", lambda *_: pytest.fail("it was drawn"))
     pictures = table(judged(SHAPES, {**FILES, "arm.stl": wild}))
     assert (pictures["pictures"], pictures["left_out"]) == ([], ["arm"])
 
@@ -187,7 +189,9 @@ def test_links_that_would_take_too_long_are_left_out_before_they_are_drawn(monke
 def test_work_is_no_less_than_the_pixels_of_all_triangles():
     corners = np.random.default_rng(3).uniform(0, 30, (40, 3, 3))
     black = np.zeros((1, 3), dtype=np.uint8)
-    covered = sum((drawn(corner[None], black, WHITE, 30) == 0).all(axis=2).sum() for corner in corners)
+    covered = sum(
+        (picture_of_triangles(corner[None], black, WHITE, 30) == 0).all(axis=2).sum() for corner in corners
+    )
     assert covered < work(corners) < 12 * covered
 
 

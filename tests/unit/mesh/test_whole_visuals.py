@@ -12,7 +12,7 @@ import trimesh
 from linkwright.stages.formats.described import described
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot import codec
-from linkwright.stages.show.live.compiled import compiled
+from linkwright.stages.show.live.compiled import compile_live
 from linkwright.stages.show.preview import needed_by
 from linkwright.stages.show.preview.compiled import look_of_files
 from linkwright.stages.show.preview.surface import surface_of
@@ -149,7 +149,7 @@ def test_pages_and_pictures_show_a_urdf_with_glb_as_with_stl(tmp_path):
         surface = surface_of(look_of_files("robot.urdf", needed))
         rows = np.concatenate([surface.corners.reshape(-1, 9), surface.colours[surface.geom]], axis=1)
         drawn.append(rows[np.lexsort(np.round(rows, 5).T)])
-        model = compiled(tmp_path / form, "robot.urdf").model
+        model = compile_live(tmp_path / form, "robot.urdf").model
         assert (model.geom_contype == 0).sum() == 4
     assert np.allclose(*drawn, atol=1e-5)
 

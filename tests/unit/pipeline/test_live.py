@@ -7,7 +7,7 @@ import pytest
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.run.build import build
 from linkwright.pipeline.show import live as made
-from linkwright.stages.show.live.pack import unpacked
+from linkwright.stages.show.live.pack import read_pack
 
 INERTIA = '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
 FOOT = '<geometry><box size="0.2 0.2 0.1"/></geometry>'
@@ -48,12 +48,12 @@ def test_the_view_is_made_once_and_then_comes_from_the_cache(plan, shown, monkey
         second = build(plan())
     assert [stage.name for stage in first.stages] == [stage.name for stage in second.stages]
     assert shown[0].pack == shown[1].pack
-    header, _ = unpacked(shown[0].pack)
+    header, _ = read_pack(shown[0].pack)
     assert [joint["name"] for joint in header["joints"]] == ["shoulder"]
     assert (shown[0].engine, shown[0].engine_path, shown[0].files) == ("whole", "", {})
     # Another number of triangles makes the view again, and no stage.
     assert all(stage.cached for stage in build(plan(page={"faces": 5})).stages)
-    assert unpacked(shown[2].pack)[0]["thinned"] is None, "boxes have no triangles"
+    assert read_pack(shown[2].pack)[0]["thinned"] is None, "boxes have no triangles"
 
 
 @pytest.mark.parametrize("error", [ValueError("no such mesh"), RuntimeError("a bug"), MemoryError()])
@@ -113,4 +113,4 @@ def test_a_page_whose_robot_cannot_simulate_has_no_engine(plan, shown):
     for _ in range(2):
         build(plan(export={"urdf": {}}))
     assert [page.engine for page in shown] == ["none", "none"]
-    assert unpacked(shown[1].pack)[0]["no_engine"]
+    assert read_pack(shown[1].pack)[0]["no_engine"]

@@ -18,7 +18,16 @@ MAX_MESH_BYTES = 4_000_000
 """Largest size [bytes] of all meshes of colliders together; larger meshes are replaced by their convex hulls,
 by which MuJoCo collides anyway."""
 
-_PROCESSED = ("scale", "refpos", "refquat", "builtin", "params", "content_type", "inertia", "maxhullvert")
+_APPLIED_ATTRIBUTES = (
+    "scale",
+    "refpos",
+    "refquat",
+    "builtin",
+    "params",
+    "content_type",
+    "inertia",
+    "maxhullvert",
+)
 """Attributes that MuJoCo has already applied to the compiled mesh."""
 
 
@@ -26,8 +35,8 @@ def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, byte
     """Removes the unused assets from a document, in place, and renames the files of the used assets. Returns
     the content of each file by its new name, and what the files lack.
     """
-    used_assets = list(_used(root))
-    base = _base(root)
+    used_assets = list(_keep_used(root))
+    base = _mesh_folder(root)
     contents = {
         asset: (folder / base / asset.get("file")).read_bytes() for asset in used_assets if asset.get("file")
     }
@@ -43,11 +52,11 @@ def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, byte
         if data is not None:
             asset.set("file", f"{number}{suffix}")
             files[f"{number}{suffix}"] = data
-    lack = {"what": f"the triangles of {count(hulls, 'mesh', 'meshes')}", "place": "colliders"}
-    return files, [{**lack, "instead": "the convex hulls, by which MuJoCo collides"}] if hulls else []
+    replacement = {"what": f"the triangles of {count(hulls, 'mesh', 'meshes')}", "place": "colliders"}
+    return files, [{**replacement, "instead": "the convex hulls, by which MuJoCo collides"}] if hulls else []
 
 
-def _used(root: Element) -> Iterator[Element]:
+def _keep_used(root: Element) -> Iterator[Element]:
     """Yields the used meshes and height fields, each with a name, and removes the unused ones."""
     used = {(kind, node.get(kind)) for node in root.iter() for kind in ("mesh", "hfield") if node.get(kind)}
     for section in root.iterchildren("asset"):
@@ -60,7 +69,7 @@ def _used(root: Element) -> Iterator[Element]:
                 section.remove(asset)
 
 
-def _base(root: Element) -> PurePosixPath:
+def _mesh_folder(root: Element) -> PurePosixPath:
     """Returns the folder of the meshes that the last compiler element with such a folder names."""
     base = ""
     for compiler in root.iterchildren("compiler"):
@@ -76,10 +85,10 @@ def _hull(asset: Element, model: Any) -> bytes:
     hull = hull_of(model, index)
     if len(hull):
         points = points[np.unique(hull)]
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, model.mesh_quat[index])
-    placed = points @ turn.reshape(3, 3).T + model.mesh_pos[index]
-    for attribute in _PROCESSED:
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, model.mesh_quat[index])
+    points_in_file = points @ rotation.reshape(3, 3).T + model.mesh_pos[index]
+    for attribute in _APPLIED_ATTRIBUTES:
         asset.attrib.pop(attribute, None)
-    content: bytes = placed.astype("<f4").tobytes()
-    return struct.pack("<4i", len(placed), 0, 0, 0) + content
+    content: bytes = points_in_file.astype("<f4").tobytes()
+    return struct.pack("<4i", len(points_in_file), 0, 0, 0) + content

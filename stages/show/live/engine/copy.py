@@ -18,7 +18,7 @@ from linkwright.stages.mujoco.names import controls_of, index_of
 from linkwright.stages.show.live import includes
 from linkwright.stages.show.live.compiled import LiveModel
 from linkwright.stages.show.live.engine.assets import with_assets
-from linkwright.stages.show.live.engine.version import without_newer
+from linkwright.stages.show.live.engine.version import remove_newer
 
 _VISUAL_SECTIONS = ("visual", "sensor", "custom")
 """Sections without effect on motion."""
@@ -35,8 +35,8 @@ class NoCopy(Exception):
 
 @dataclass(frozen=True, slots=True)
 class EngineCopy:
-    """The `text` of the copy, its `files` by name, and what it `lacks` of the scene: each with its place and
-    the page's replacement."""
+    """The `text` of the copy, its `files` by name, and the features of the scene that it `lacks`, each with
+    its place and the page's replacement."""
 
     text: str
     files: Mapping[str, bytes]
@@ -61,9 +61,9 @@ def engine_copy(live: LiveModel, folder: Path) -> EngineCopy:
             compiler.attrib.pop(name, None)
         if compiler.get("inertiafromgeom") == "true":
             del compiler.attrib["inertiafromgeom"]
-    lacks += without_newer(root)
+    lacks += remove_newer(root)
     for node in root.iter():
-        if (node.get("name") or "").startswith(includes.OWN):
+        if (node.get("name") or "").startswith(includes.NAME_PREFIX):
             del node.attrib["name"]
     text = to_bytes(root).decode()
     _require_same(live.model, text, files)
@@ -86,11 +86,13 @@ def _remove_visual_elements(root: Element) -> None:
 
 def _remove_visual_geoms(root: Element, model: Any) -> None:
     """Removes geoms that collide with nothing and that no element names."""
-    named = {value for node in root.iter() for key, value in node.attrib.items() if key not in _NO_REFERENCES}
+    referenced_names = {
+        value for node in root.iter() for key, value in node.attrib.items() if key not in _NO_REFERENCES
+    }
     for geom in list(root.iter("geom")):
         name = geom.get("name")
         index = -1 if name is None else index_of(model, mujoco.mjtObj.mjOBJ_GEOM, name)
-        if index < 0 or name in named or geom.get("fluidshape") is not None:
+        if index < 0 or name in referenced_names or geom.get("fluidshape") is not None:
             continue
         if not model.geom_contype[index] and not model.geom_conaffinity[index]:
             geom.getparent().remove(geom)
@@ -102,14 +104,14 @@ _NO_REFERENCES = frozenset({"name", "class", "childclass", "mesh", "material", "
 def _set_inertials(root: Element, model: Any) -> None:
     """Gives each body the inertia that MuJoCo computes from its geoms, since some geoms are removed."""
     compilers = root.iterchildren("compiler")
-    from_geoms = any(compiler.get("inertiafromgeom") == "true" for compiler in compilers)
+    replaces_inertials = any(compiler.get("inertiafromgeom") == "true" for compiler in compilers)
     for body in list(root.iter("body")):
         inertial_of_file = body.find("inertial")
-        if inertial_of_file is not None and not from_geoms:
+        if inertial_of_file is not None and not replaces_inertials:
             continue
         index = index_of(model, mujoco.mjtObj.mjOBJ_BODY, body.get("name", ""))
         if index < 0:
-            continue  # MuJoCo copies it, with its content.
+            continue  # MuJoCo makes the body, with its content, from a copy of another element.
         if inertial_of_file is not None:
             body.remove(inertial_of_file)
         if model.body_mass[index]:
@@ -127,11 +129,11 @@ def _set_inertials(root: Element, model: Any) -> None:
 def _set_ranges(root: Element, model: Any) -> None:
     """Writes the range of general actuators that inherit it from their joint by an attribute of newer
     versions."""
-    general = [node for node in root.iter("general") if node.get("inheritrange") is not None]
-    for node in general:
+    general_actuators = [node for node in root.iter("general") if node.get("inheritrange") is not None]
+    for node in general_actuators:
         del node.attrib["inheritrange"]
     actuators = [actuator for section in root.iterchildren("actuator") for actuator in section]
-    for index, node in enumerate(actuators if general else ()):
+    for index, node in enumerate(actuators if general_actuators else ()):
         control = controls_of(model, index).start
         if tag(node) == "general" and model.actuator_ctrllimited[control]:
             node.set("ctrlrange", _text(model.actuator_ctrlrange[control]))

@@ -1,4 +1,4 @@
-"""Removes from a model what the page's own MuJoCo, which is older than that of builds, does not know."""
+"""Removes from a model what the page's MuJoCo does not know: it may be older than the MuJoCo of builds."""
 
 import functools
 import gzip
@@ -13,7 +13,7 @@ VERSION = "3.14.0"
 _SCHEMA_FILE = Path(__file__).parents[1] / "viewer" / "engine" / f"mjcf-{VERSION}.json.gz"
 
 _BUILTIN = frozenset({"box", "cylinder", "disc", "ellipsoid", "grid", "square"})
-"""Shapes of `<mesh builtin>` that were added after 3.14."""
+"""Shapes of `<mesh builtin>` that MuJoCo has only since a version after 3.14."""
 
 _HARMLESS = frozenset({"castshadow", "savecanonical", "savecompiled", "passthrough", "embed"})
 """Attributes without effect on motion, whose removal is not reported."""
@@ -32,15 +32,15 @@ _REPLACEMENTS = {
 def schema() -> MjcfSchema:
     """Returns the elements and attributes of MJCF that the page's MuJoCo knows, from its list
     (`mj_printSchema`)."""
-    listed = json.loads(gzip.decompress(_SCHEMA_FILE.read_bytes()))["elements"]
-    paths = ((tuple(path.split("/")) if path else (), names) for path, names in listed.items())
+    names_of_elements = json.loads(gzip.decompress(_SCHEMA_FILE.read_bytes()))["elements"]
+    paths = ((tuple(path.split("/")) if path else (), names) for path, names in names_of_elements.items())
     return MjcfSchema(dict(paths))
 
 
-def without_newer(root: Element) -> list[dict[str, str]]:
+def remove_newer(root: Element) -> list[dict[str, str]]:
     """Removes from a document, in place, the elements and attributes that the page's MuJoCo does not know.
     Returns each with its place and the page's replacement."""
-    return list(_without(root, ("mujoco",)))
+    return list(_remove_unknown(root, ("mujoco",)))
 
 
 def is_newer_shape(mesh: Element) -> bool:
@@ -48,7 +48,7 @@ def is_newer_shape(mesh: Element) -> bool:
     return mesh.get("builtin") in _BUILTIN
 
 
-def _without(node: Element, path: tuple[str, ...]) -> Iterator[dict[str, str]]:
+def _remove_unknown(node: Element, path: tuple[str, ...]) -> Iterator[dict[str, str]]:
     attributes, children = schema().allowed(path)
     if attributes is not None:
         for name in sorted(set(node.attrib) - attributes):
@@ -60,7 +60,7 @@ def _without(node: Element, path: tuple[str, ...]) -> Iterator[dict[str, str]]:
             node.remove(child)
             yield _lack(f"the element <{tag(child)}>", child, "it is left out")
         else:
-            yield from _without(child, (*path, tag(child)))
+            yield from _remove_unknown(child, (*path, tag(child)))
 
 
 def _lack(missing: str, node: Element, instead: str) -> dict[str, str]:

@@ -6,7 +6,7 @@ from linkwright.stages.show.preview.drawing.vectors import cross, dot, unit
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices
 
-_CREASE = np.float32(np.cos(np.radians(32.0)))
+_CREASE_COSINE = np.float32(np.cos(np.radians(32.0)))
 """Cosine of the crease angle: edges between faces at a larger angle stay sharp."""
 
 _MAX_PAIRS = 12_000_000
@@ -28,8 +28,8 @@ def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
     adjacent, vertex = _with_adjacent(corners, geom, selected)
     faces = corners[adjacent]
     areas = cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    flat = unit(areas)
-    result = np.repeat(flat[: len(selected), None], 3, axis=1)
+    flat_normals = unit(areas)
+    result = np.repeat(flat_normals[: len(selected), None], 3, axis=1)
     # All corners sorted by their vertex: those of a vertex are a run of `count` from `start`.
     order = np.argsort(vertex.reshape(-1), kind="stable")
     count = np.bincount(vertex.reshape(-1))
@@ -42,7 +42,7 @@ def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
     corner = np.repeat(np.arange(len(selected_vertex)), face_count)
     rank = np.arange(len(corner)) - np.repeat(np.cumsum(face_count) - face_count, face_count)
     adjacent_face = order[start[selected_vertex[corner]] + rank] // 3
-    smooth_pairs = dot(flat[corner // 3], flat[adjacent_face]) > _CREASE
+    smooth_pairs = dot(flat_normals[corner // 3], flat_normals[adjacent_face]) > _CREASE_COSINE
     corner, adjacent_face = corner[smooth_pairs], adjacent_face[smooth_pairs]
     normal_sums = np.stack(
         [
@@ -51,9 +51,9 @@ def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
         ],
         axis=1,
     )
-    smooth = unit(normal_sums.astype(np.float32))
-    valid = dot(smooth, smooth) > 0
-    result.reshape(-1, 3)[valid] = smooth[valid]
+    smooth_normals = unit(normal_sums.astype(np.float32))
+    valid = dot(smooth_normals, smooth_normals) > 0
+    result.reshape(-1, 3)[valid] = smooth_normals[valid]
     return result
 
 
@@ -66,14 +66,14 @@ def _with_adjacent(corners: Single, geom: Indices, selected: Indices) -> tuple[I
     """
     # Adding 0.0 turns -0.0 into 0.0, which has other bits.
     bits = np.ascontiguousarray(corners + np.float32(0.0)).view(np.int32).reshape(-1, 3)
-    hashed = dot(bits.astype(np.int64), _PRIMES).reshape(-1, 3)
-    hashed += (geom * 2654435761)[:, None]
+    hashes = dot(bits.astype(np.int64), _PRIMES).reshape(-1, 3)
+    hashes += (geom * 2654435761)[:, None]
     # The upper bits are folded into the slot, which else depends on the lowest bits only.
-    slot = (hashed ^ (hashed >> 22)) & (_TABLE_SIZE - 1)
+    slot = (hashes ^ (hashes >> 22)) & (_TABLE_SIZE - 1)
     table = np.zeros(_TABLE_SIZE, dtype=np.bool_)
     table[slot[selected]] = True
     adjacent = table[slot[:, 0]] | table[slot[:, 1]] | table[slot[:, 2]]
     adjacent[selected] = False
     indices = np.concatenate([selected, np.flatnonzero(adjacent)])
-    _, vertex = np.unique(hashed[indices], return_inverse=True)
+    _, vertex = np.unique(hashes[indices], return_inverse=True)
     return indices, vertex.reshape(-1, 3)

@@ -7,7 +7,7 @@ import numpy as np
 
 from linkwright.stages.show.preview.camera import Camera
 from linkwright.stages.show.preview.drawing.creases import normals_of
-from linkwright.stages.show.preview.drawing.pixels import linear, scattered, shown
+from linkwright.stages.show.preview.drawing.pixels import light_of_srgb, pixel_shifts, srgb_of_light
 from linkwright.stages.show.preview.drawing.studio import LitRobot
 from linkwright.stages.show.preview.drawing.vectors import cross, dot, interpolate, unit
 from linkwright.stages.show.preview.surface import Single
@@ -25,7 +25,7 @@ _GLOSS, _SHINE = 0.055, 48.0
 _RIM = 0.16
 """Strength of the light on surfaces that are seen edge-on."""
 
-_RAISED, _SLACK = 2.0, 1.5
+_TEST_HEIGHT, _SHADOW_SLACK = 2.0, 1.5
 """Height above the surface at which light is tested, and the depth behind a lamp's nearest point up to which
 a point is still lit, both in the lamp's pixels. They keep a surface from casting a shadow on itself."""
 
@@ -39,17 +39,17 @@ class Faces:
     `geom` (n,): the geom of each triangle; `flat` (n, 3): the unit normal of each triangle.
     """
 
-    def __init__(self, scene: LitRobot, placed: Single, which: Indices) -> None:
+    def __init__(self, scene: LitRobot, placed_corners: Single, selected: Indices) -> None:
         surface = scene.surface
         self._scene = scene
-        self._corners = scene.corners[which]
-        self._normals = normals_of(scene.corners, surface.geom, which)
-        self._places = surface.places[which] if len(surface.places) else None
-        self.geom = surface.geom[which]
+        self._corners = scene.corners[selected]
+        self._normals = normals_of(scene.corners, surface.geom, selected)
+        self._places = surface.places[selected] if len(surface.places) else None
+        self.geom = surface.geom[selected]
         self._albedo = scene.albedo[self.geom]
         a, b, c = np.moveaxis(self._corners, 1, 0)
         self.flat = unit(cross(b - a, c - a))
-        self._shares = _shares_of(placed[which])
+        self._shares = _shares_of(placed_corners[selected])
 
     def colours(self, camera: Camera, face: Indices, right: Numbers, down: Numbers, finer: int) -> Single:
         """Returns the sRGB colours (n, 3) of the faces at places (n,) in the camera's picture, which has
@@ -64,32 +64,34 @@ class Faces:
         toward = unit(camera.position.astype(np.float32) - points)
         normals = _facing(interpolate(shares, self._normals[face]), toward)
         row, column = down.astype(np.int32) // finer, right.astype(np.int32) // finer
-        light, key = self._light(points, normals, [scattered(row, column, turn) for turn in range(_SHIFTS)])
+        light, key = self._light(
+            points, normals, [pixel_shifts(row, column, turn) for turn in range(_SHIFTS)]
+        )
         half = unit(toward + scene.key.astype(np.float32))
         gloss = key * np.maximum(dot(half, normals), 0.0) ** np.float32(_SHINE)
         light += np.float32(_BOUNCE) * (np.float32(0.62) - np.float32(0.38) * normals[:, 2])
         rim = (1.0 - np.clip(dot(toward, normals), 0.0, 1.0)) ** 4
         total = self._reflected(face, shares) * (light * np.float32(1.9 / np.pi))[:, None]
         total += (np.float32(_GLOSS * 5) * gloss + np.float32(_RIM * 0.35) * rim * light)[:, None]
-        return shown(np.float32(_EXPOSURE) * total).astype(np.float32)
+        return srgb_of_light(np.float32(_EXPOSURE) * total).astype(np.float32)
 
     def _light(self, points: Single, normals: Single, shifts: Sequence[Single]) -> tuple[Single, Single]:
         """Returns the light (n,) of all lamps that reaches points, and the light (n,) of the key light alone.
         `shifts`: shifts of the points' places for the lamps in turn; a common shift would show as a pattern.
         """
-        raised = {
-            pixel: np.ascontiguousarray((points + np.float32(_RAISED * pixel) * normals).T)
+        raised_points = {
+            pixel: np.ascontiguousarray((points + np.float32(_TEST_HEIGHT * pixel) * normals).T)
             for pixel in {lamp.pixel for lamp in self._scene.lamps}
         }
         light = np.zeros(len(points), dtype=np.float32)
         key = np.zeros_like(light)
         for lamp, shift in zip(self._scene.lamps, itertools.cycle(shifts), strict=False):
-            lit = normals @ (lamp.direction * np.float32(lamp.power))
-            np.maximum(lit, 0.0, out=lit)
-            lit *= lamp.reaches(raised[lamp.pixel], shift, _SLACK)
-            light += lit
+            lamp_light = normals @ (lamp.direction * np.float32(lamp.power))
+            np.maximum(lamp_light, 0.0, out=lamp_light)
+            lamp_light *= lamp.reaches(raised_points[lamp.pixel], shift, _SHADOW_SLACK)
+            light += lamp_light
             if lamp.is_key:
-                key += lit
+                key += lamp_light
         return light, key
 
     def _reflected(self, face: Indices, shares: Single) -> Single:
@@ -98,21 +100,21 @@ class Faces:
         surface = self._scene.surface
         if self._places is None:
             return reflected
-        which = surface.image[self.geom[face]]
+        image_of_face = surface.image[self.geom[face]]
         for number, image in enumerate(surface.images):
-            with_image = np.flatnonzero(which == number)
+            with_image = np.flatnonzero(image_of_face == number)
             if len(with_image):
                 place = interpolate(shares[with_image], self._places[face[with_image]]) % 1.0
                 height, width = image.shape[:2]
                 column = np.minimum((place[:, 0] * width).astype(np.intp), width - 1)
                 row = np.minimum((place[:, 1] * height).astype(np.intp), height - 1)
-                reflected[with_image] *= linear(image[row, column]).astype(np.float32)
+                reflected[with_image] *= light_of_srgb(image[row, column]).astype(np.float32)
         return reflected
 
 
 def _shares_of(placed: Single) -> Single:
-    """Returns three numbers for each corner of each triangle (n, 3, 3) placed in the picture: the change of
-    the corner's share to the right and downwards, and its value at the origin.
+    """Returns a linear function of the place in the picture for each corner of triangles (n, 3, 3) in the
+    picture: the change of the corner's share to the right and downwards, and its value at the origin.
 
     They are the shares in the picture times the corner's nearness, and so the shares in space, up to a common
     factor.

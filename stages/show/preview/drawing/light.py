@@ -14,22 +14,22 @@ from linkwright.stages.show.preview.drawing.vectors import cross, length
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Numbers
 
-_KEY, _SKY = 2.1, 1.25
+_KEY_POWER, _SKY_POWER = 2.1, 1.25
 """Power of the key light, and of the sky."""
 
 _KEY_LAMPS, _SKY_LAMPS = 8, 16
 """Number of lamps of the key light, and of the sky."""
 
-_SPREAD = 0.13
+_MAX_KEY_ANGLE = 0.13
 """Largest angle [rad] between a key lamp and the direction of the key light."""
 
 _MIN_SKY_HEIGHT = 0.2
-"""The sine of the height above the horizon from which the sky gives light."""
+"""Sine of the elevation from which the sky gives light, up to the zenith."""
 
-_FINE, _COARSE = 0.0065, 0.01
+_KEY_PIXEL, _SKY_PIXEL = 0.0065, 0.01
 """The size of a pixel of a key lamp's picture, and of a sky lamp's, in radii of the robot."""
 
-_REACH = 1.05
+_MAX_COORDINATE = 1.05
 """Largest absolute coordinate of a point; the robot is scaled to a radius of 1."""
 
 _MAX_POINTS = 600_000
@@ -92,8 +92,8 @@ class ShadowCasters:
 
 def shadow_casters(corners: Single) -> ShadowCasters:
     """Returns the points that cast the shadows of triangles (m, 3, 3) within 1 of the origin."""
-    cloud, pixel = _cloud(corners, _FINE)
-    fine, coarse_pixel = _cell_centres(cloud, pixel), max(_COARSE, 1.25 * pixel)
+    cloud, pixel = _cloud(corners, _KEY_PIXEL)
+    fine, coarse_pixel = _cell_centres(cloud, pixel), max(_SKY_PIXEL, 1.25 * pixel)
     return ShadowCasters(fine, pixel, _cell_centres(fine, coarse_pixel), coarse_pixel)
 
 
@@ -102,26 +102,26 @@ def key_lamps(towards: Numbers, shadows: ShadowCasters) -> list[Lamp]:
     single lamp would cast hard shadows."""
     lamps = []
     for index in range(_KEY_LAMPS):
-        tilt = _SPREAD * np.sqrt((index + 0.5) / _KEY_LAMPS)
+        tilt = _MAX_KEY_ANGLE * np.sqrt((index + 0.5) / _KEY_LAMPS)
         direction = _tilted(towards, tilt, index * _GOLDEN_ANGLE)
-        lamps.append(_lamp(direction, _KEY / _KEY_LAMPS, True, shadows.fine, shadows.fine_pixel))
+        lamps.append(_lamp(direction, _KEY_POWER / _KEY_LAMPS, True, shadows.fine, shadows.fine_pixel))
     return lamps
 
 
 def sky_lamps(shadows: ShadowCasters) -> list[Lamp]:
-    """Returns the lamps of the sky: one for each of its parts of equal size, up to the zenith."""
+    """Returns the lamps of the sky, each for an equal share of the sky's area above `_MIN_SKY_HEIGHT`."""
     lamps = []
     for index in range(_SKY_LAMPS):
         height = _MIN_SKY_HEIGHT + (1.0 - _MIN_SKY_HEIGHT) * (index + 0.5) / _SKY_LAMPS
         direction = _tilted(np.array([0.0, 0.0, 1.0]), float(np.arccos(height)), index * _GOLDEN_ANGLE)
-        lamps.append(_lamp(direction, _SKY / _SKY_LAMPS, False, shadows.coarse, shadows.coarse_pixel))
+        lamps.append(_lamp(direction, _SKY_POWER / _SKY_LAMPS, False, shadows.coarse, shadows.coarse_pixel))
     return lamps
 
 
 def _lamp(direction: Numbers, power: float, is_key: bool, points: Single, pixel: float) -> Lamp:
     across = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
     across = across / np.linalg.norm(across)
-    side = int(np.ceil(2 * _REACH / pixel))
+    side = int(np.ceil(2 * _MAX_COORDINATE / pixel))
     rows = np.stack([across / pixel, np.cross(direction, across) / pixel, direction])
     lamp_from_world = rows.astype(np.float32)
     right, down, near = points @ lamp_from_world.T[:, 0], points @ lamp_from_world.T[:, 1], points @ rows[2]
@@ -146,9 +146,11 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     """Returns points on triangles (m, 3, 3), and the size of the cells, which grows if there would be too
     many points. A triangle smaller than a cell gets a point in its middle, a larger one a grid of points."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    first, second, third = (length(edge) for edge in (b - a, c - b, a - c))
-    longest = np.where(first >= second, np.where(first >= third, 0, 2), np.where(second >= third, 1, 2))
-    size = np.maximum(np.maximum(first, second), third)
+    edge_ab, edge_bc, edge_ca = (length(edge) for edge in (b - a, c - b, a - c))
+    longest = np.where(
+        edge_ab >= edge_bc, np.where(edge_ab >= edge_ca, 0, 2), np.where(edge_bc >= edge_ca, 1, 2)
+    )
+    size = np.maximum(np.maximum(edge_ab, edge_bc), edge_ca)
     height = length(cross(b - a, c - a)) / np.maximum(size, np.float32(1e-12))
     while True:
         along = np.maximum(np.ceil(size / cell), 1)
@@ -177,14 +179,14 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
 
 def _cell_centres(points: Single, cell: float) -> Single:
     """Returns the centres of the cells of a grid that contain points."""
-    side = int(np.ceil(2 * _REACH / cell))
-    cells = ((points + np.float32(_REACH)) * np.float32(1 / cell)).astype(np.int32)
+    side = int(np.ceil(2 * _MAX_COORDINATE / cell))
+    cells = ((points + np.float32(_MAX_COORDINATE)) * np.float32(1 / cell)).astype(np.int32)
     key = (cells[:, 0] * side + cells[:, 1]) * side + cells[:, 2]
     key.sort()
     key = key[np.concatenate([[True], key[1:] != key[:-1]])]
     rest, z = np.divmod(key, side)
     x, y = np.divmod(rest, side)
-    return (np.stack([x, y, z], axis=1) + np.float32(0.5)) * np.float32(cell) - np.float32(_REACH)
+    return (np.stack([x, y, z], axis=1) + np.float32(0.5)) * np.float32(cell) - np.float32(_MAX_COORDINATE)
 
 
 def _tilted(towards: Numbers, tilt: float, turn: float) -> Numbers:

@@ -6,11 +6,11 @@ import numpy as np
 
 from linkwright.stages.show.preview.camera import Camera, framing
 from linkwright.stages.show.preview.drawing.faces import Faces
-from linkwright.stages.show.preview.drawing.pixels import blurred, enlarged, scattered
+from linkwright.stages.show.preview.drawing.pixels import blur, enlarge, pixel_shifts
 from linkwright.stages.show.preview.drawing.studio import LitRobot
 from linkwright.stages.show.preview.drawing.vectors import dot
 from linkwright.stages.show.preview.surface import Single
-from linkwright.stages.show.raster import Indices, Numbers, Pixels, seen
+from linkwright.stages.show.raster import Indices, Numbers, Pixels, nearest_triangles
 
 SAMPLES_PER_SIDE = 2
 """Number of samples along each side of a pixel: the camera's picture has as many times the pixels of the
@@ -60,9 +60,9 @@ def render(scene: LitRobot, camera: Camera) -> Pixels:
     alpha = scene.surface.colours[scene.surface.geom, 3]
     opaque = np.flatnonzero(alpha >= _MIN_OPAQUE_ALPHA)
     if 0 < len(opaque) < len(corners):
-        nearest_opaque = seen(corners[opaque], camera.width, camera.height)
+        nearest_opaque = nearest_triangles(corners[opaque], camera.width, camera.height)
         _paint(image, scene, camera, corners, np.where(nearest_opaque < 0, -1, opaque[nearest_opaque]))
-    _paint(image, scene, camera, corners, seen(corners, camera.width, camera.height))
+    _paint(image, scene, camera, corners, nearest_triangles(corners, camera.width, camera.height))
     return np.asarray(np.rint(image * 255.0).astype(np.uint8))
 
 
@@ -149,7 +149,7 @@ def _ground(scene: LitRobot, camera: Camera) -> Single:
     distance = np.sqrt((points[:, :2] ** 2).sum(axis=1))
     hit = np.flatnonzero((depth > 0) & (distance < _FADE_END))
     hit_points = np.ascontiguousarray(points[hit].astype(np.float32).T)
-    shift = scattered(rows[hit], columns[hit])
+    shift = pixel_shifts(rows[hit], columns[hit])
     full_light = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
     # The light that is missing in each pixel, as a share of all light: that of the sky, and the key light.
     shades = np.zeros((2, len(rays)), dtype=np.float32)
@@ -159,7 +159,7 @@ def _ground(scene: LitRobot, camera: Camera) -> Single:
     # Far shadows fade, so that none is cut off at the picture's edge.
     shades[:, hit] *= np.clip((_FADE_END - distance[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
     sky_shade, key_shade = shades.reshape(2, height, width)
-    blurred_shade = blurred(sky_shade, _SKY_BLUR) + blurred(key_shade, _KEY_BLUR)
-    shade = enlarged(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
+    blurred_shade = blur(sky_shade, _SKY_BLUR) + blur(key_shade, _KEY_BLUR)
+    shade = enlarge(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
     brightness = 1.0 - np.float32(_SHADOW_DARKNESS) * shade[:, :, None]
     return np.asarray(_BACKGROUND * brightness, dtype=np.float32)

@@ -9,7 +9,7 @@ _STEPS = 4095
 """Number of steps of the table from light to sRGB."""
 
 
-def blurred(values: Numbers, reach: int) -> Numbers:
+def blur(values: Numbers, reach: int) -> Numbers:
     """Blurs values (height, width) by taking the mean over a square twice; `reach`: half the square's
     width."""
     for _ in range(2):
@@ -24,7 +24,7 @@ def blurred(values: Numbers, reach: int) -> Numbers:
     return values
 
 
-def enlarged(values: Numbers, times: int) -> Numbers:
+def enlarge(values: Numbers, times: int) -> Numbers:
     """Enlarges values (height, width) `times` each way, interpolating between the centres."""
     for axis in range(2):
         count = values.shape[axis]
@@ -36,7 +36,7 @@ def enlarged(values: Numbers, times: int) -> Numbers:
     return values
 
 
-def scattered(rows: Indices, columns: Indices, turn: int = 0) -> Single:
+def pixel_shifts(rows: Indices, columns: Indices, turn: int = 0) -> Single:
     """Returns shifts (2, n) of up to half a pixel each way, different for neighbouring pixels: an ordered 4 x
     4 pattern (Bayer's matrix). `turn` chooses a variant of the pattern."""
     index = ((rows + turn) % 4) * 4 + (columns + 2 * turn) % 4
@@ -46,21 +46,23 @@ def scattered(rows: Indices, columns: Indices, turn: int = 0) -> Single:
     return np.stack([pattern[index], pattern[(index * 7 + 3 + 5 * turn) % 16]])
 
 
-def linear(srgb: Numbers) -> Numbers:
+def light_of_srgb(srgb: Numbers) -> Numbers:
     """Converts sRGB to linear light (IEC 61966-2-1)."""
     return np.asarray(np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4))
 
 
-def shown(light: Numbers) -> Numbers:
+def srgb_of_light(light: Numbers) -> Numbers:
     """Converts linear light to sRGB; light near and above the picture's maximum is compressed."""
-    soft = np.where(light < 0.7, light, 0.7 + 0.3 * (1 - np.exp(-(np.maximum(light, 0.7) - 0.7) / 0.3)))
+    compressed_light = np.where(
+        light < 0.7, light, 0.7 + 0.3 * (1 - np.exp(-(np.maximum(light, 0.7) - 0.7) / 0.3))
+    )
     steps = np.linspace(0.0, 1.0, _STEPS + 1)
     table = np.where(steps <= 0.0031308, 12.92 * steps, 1.055 * steps ** (1 / 2.4) - 0.055)
-    srgb: Numbers = table[np.rint(np.clip(soft, 0.0, 1.0) * _STEPS).astype(np.intp)]
+    srgb: Numbers = table[np.rint(np.clip(compressed_light, 0.0, 1.0) * _STEPS).astype(np.intp)]
     return srgb
 
 
-def reduced(pixels: Pixels, times: int) -> Pixels:
+def reduce_picture(pixels: Pixels, times: int) -> Pixels:
     """Reduces a picture `times` each way: each new pixel is the mean of the old pixels in it."""
     height, width = pixels.shape[0] // times, pixels.shape[1] // times
     blocks = pixels[: height * times, : width * times].reshape(height, times, width, times, 3)

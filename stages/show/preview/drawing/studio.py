@@ -12,7 +12,7 @@ from linkwright.stages.show.preview.drawing.light import (
     shadow_casters,
     sky_lamps,
 )
-from linkwright.stages.show.preview.drawing.pixels import linear
+from linkwright.stages.show.preview.drawing.pixels import light_of_srgb
 from linkwright.stages.show.preview.drawing.vectors import length
 from linkwright.stages.show.preview.surface import Single, Triangles
 from linkwright.stages.show.raster import Numbers
@@ -20,10 +20,10 @@ from linkwright.stages.show.raster import Numbers
 _LEVELS = 64
 """Number of levels at which the space that a turning robot sweeps is measured."""
 
-_KEY_ASIDE = np.radians(-22.0)
-_KEY_ABOVE = 1.6
-"""Direction of the key light: the angle [rad] to the left of the camera, and the height above the ground for
-a horizontal distance of 1."""
+_KEY_AZIMUTH = np.radians(-22.0)
+_KEY_HEIGHT = 1.6
+"""Direction of the key light: the angle [rad] about z from the camera's side (negative: to the camera's
+left), and the height for a horizontal distance of 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,14 +58,14 @@ def studio(surface: Triangles, backward: Numbers) -> LitRobot:
     """Sets up a robot of any size, to be seen from a direction."""
     points = surface.corners.reshape(-1, 3)
     low, high = (np.array([end(points[:, axis]) for axis in range(3)]) for end in (np.min, np.max))
-    middle = (low + high) / 2
-    away = points - middle
-    radius = 1.001 * float(length(away).max()) or 1.0
-    away /= radius
-    corners = away.astype(np.float32).reshape(-1, 3, 3)
-    floor = float(low[2] - middle[2]) / radius
+    centre = (low + high) / 2
+    centred_points = points - centre
+    radius = 1.001 * float(length(centred_points).max()) or 1.0
+    centred_points /= radius
+    corners = centred_points.astype(np.float32).reshape(-1, 3, 3)
+    floor = float(low[2] - centre[2]) / radius
     shadows = shadow_casters(corners)
-    albedo = (0.018 + 0.94 * linear(np.clip(surface.colours[:, :3], 0.0, 1.0))).astype(np.float32)
+    albedo = (0.018 + 0.94 * light_of_srgb(np.clip(surface.colours[:, :3], 0.0, 1.0))).astype(np.float32)
     sky = sky_lamps(shadows)
     unlit = LitRobot(surface, corners, shadows, backward, sky, [], backward, floor, albedo)
     return turned_by(unlit, 0.0)
@@ -75,15 +75,15 @@ def turned_by(scene: LitRobot, angle: float) -> LitRobot:
     """Returns the robot turned by an angle [rad] before a camera and a key light that keep their places."""
     backward = turned(scene.backward, -angle)
     flat = np.array([backward[0], backward[1], 0.0])
-    length = float(np.linalg.norm(flat))
-    front = flat / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    horizontal_length = float(np.linalg.norm(flat))
+    front = flat / horizontal_length if horizontal_length > 1e-6 else np.array([1.0, 0.0, 0.0])
     # From above, and from the left of the camera, but not so far that the front is dark.
-    key = turned(front, _KEY_ASIDE) + np.array([0.0, 0.0, _KEY_ABOVE])
+    key = turned(front, _KEY_AZIMUTH) + np.array([0.0, 0.0, _KEY_HEIGHT])
     key /= np.linalg.norm(key)
     return replace(scene, backward=backward, key=key, lamps=[*key_lamps(key, scene.shadows), *scene.sky])
 
 
-def swept(scene: LitRobot) -> Numbers:
+def swept_points(scene: LitRobot) -> Numbers:
     """Returns points (n, 3) around the space that the robot sweeps while it turns."""
     points = scene.corners.reshape(-1, 3)
     reach = np.sqrt((points[:, :2] ** 2).sum(axis=1))

@@ -17,7 +17,7 @@ from linkwright.stages.show.graph_view.boxes import boxes_of
 from linkwright.stages.show.graph_view.labels import decimal, limits, part_names, rules, shortened
 from linkwright.stages.show.graph_view.layout import levels, tidy
 from linkwright.stages.show.graph_view.outline import NARROW, WHOLE, outline
-from linkwright.stages.show.graph_view.picture import _placed, draw
+from linkwright.stages.show.graph_view.picture import _placed_boxes, draw
 from linkwright.stages.show.graph_view.tables import tables
 from tests.support.robots import CHAINS, EVERY, joint, loop, robot_with
 from tests.unit.robot.test_home import four_bar
@@ -267,7 +267,7 @@ def test_no_boxes_or_labels_overlap_and_all_are_on_the_sheet(seed):
     svg = xml.parse(draw(robot))
     boxes = list(rectangles(svg))
     assert len(boxes) == len(robot.links)
-    placed = _placed(robot, boxes_of(robot)).values()
+    placed = _placed_boxes(robot, boxes_of(robot)).values()
     labels = [
         (box.label_x, box.y - 18, box.label_x + box.label_width, box.y + 4 + 13 * len(box.lines))
         for box in placed

@@ -11,10 +11,10 @@ from linkwright.stages.export.configuration.mujoco_section import CompilerSectio
 from linkwright.stages.formats.xml import parse, to_text
 from linkwright.stages.mujoco.mjcf_schema import listed
 from linkwright.stages.show.live import pack
-from linkwright.stages.show.live.compiled import compiled
+from linkwright.stages.show.live.compiled import compile_live
 from linkwright.stages.show.live.engine import assets as engine_assets
 from linkwright.stages.show.live.engine.copy import NoCopy, engine_copy
-from linkwright.stages.show.live.engine.version import VERSION, schema, without_newer
+from linkwright.stages.show.live.engine.version import VERSION, remove_newer, schema
 from linkwright.stages.show.live.scene import pack_of
 from tests.support.live_robots import INCLUDED, LINKAGE, LOOPS, SCENE, write
 from tests.support.places import PROJECT
@@ -35,7 +35,7 @@ SAME = (
 
 
 def copy_of(folder):
-    return engine_copy(compiled(folder, "scene.xml"), folder)
+    return engine_copy(compile_live(folder, "scene.xml"), folder)
 
 
 def models(folder, copy=None):
@@ -171,7 +171,7 @@ def test_elements_that_a_copy_cannot_have_leave_the_sliders(tmp_path):
     write(tmp_path, scene=SCENE.replace("</mujoco>", more))
     with pytest.raises(NoCopy, match="cannot have <extension>, <plugin>"):
         copy_of(tmp_path)
-    header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", ROBOT, (), 1000))
+    header, _ = pack.read_pack(pack_of(tmp_path, "scene.xml", ROBOT, (), 1000))
     assert header["engine"] is None
     assert "<plugin>" in header["no_engine"]
     assert len(header["bodies"]) == 6
@@ -188,7 +188,7 @@ NEWER = """<mujoco>
 
 def test_elements_newer_than_the_pages_mujoco_are_left_out_and_named():
     root = parse(NEWER.encode())
-    assert [(entry["what"], entry["place"]) for entry in without_newer(root)] == [
+    assert [(entry["what"], entry["place"]) for entry in remove_newer(root)] == [
         ("the attribute speculative", "flag"),
         ("the attribute springyield", "joint"),
         ("the attribute springyield", "joint a"),

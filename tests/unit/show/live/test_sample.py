@@ -20,7 +20,7 @@ def sample(tmp_path_factory):
     plan = plan_of(actuators={"*": {"type": "position"}})
     robot = robot_of(sample_document(), plan)
     export(robot, folder, plan)
-    header, _ = pack.unpacked(pack_of(folder, "scene.xml", robot, (), 1000))
+    header, _ = pack.read_pack(pack_of(folder, "scene.xml", robot, (), 1000))
     return robot, header, mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
 
 
@@ -85,7 +85,7 @@ def test_actuators_of_a_mujoco_without_kinds_of_inputs_are_the_same(tmp_path, mo
     plan = plan_of(actuators={"*": {"type": "position"}})
     robot, header, _ = sample
     export(robot, tmp_path, plan)
-    other, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot, (), 1000))
+    other, _ = pack.read_pack(pack_of(tmp_path, "scene.xml", robot, (), 1000))
     assert other["actuators"] == header["actuators"]
 
 
@@ -97,7 +97,7 @@ def test_poses_and_loops_of_a_urdf_are_those_of_the_robot(mimic, tmp_path):
     if not mimic:  # as readers do that know no mimics
         text = (tmp_path / "robot.urdf").read_text()
         (tmp_path / "robot.urdf").write_text(re.sub("<mimic[^>]*>", "", text))
-    header, _ = pack.unpacked(pack_of(tmp_path, "robot.urdf", robot, (), 1000))
+    header, _ = pack.read_pack(pack_of(tmp_path, "robot.urdf", robot, (), 1000))
     joints = [joint["name"] for joint in header["joints"]]
     pairs = {(joints[relation["follower"]], joints[relation["driver"]]) for relation in header["relations"]}
     assert {(relation.follower, relation.driver) for relation in robot.relations} <= pairs
@@ -118,6 +118,6 @@ def test_urdf_in_a_ros_package_is_shown_too(tmp_path):
     source = source_of(files, robot.name)
     assert source.endswith(".urdf")
     assert "/" in source
-    header, _ = pack.unpacked(pack_of(tmp_path, source, robot, (), 1000))
+    header, _ = pack.read_pack(pack_of(tmp_path, source, robot, (), 1000))
     links = {body["name"] for body in header["bodies"]}
     assert {link.name for link in robot.links} <= links

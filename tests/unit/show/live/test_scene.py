@@ -34,13 +34,13 @@ ROBOT = robot_with(())
 @pytest.fixture
 def whole(tmp_path):
     write(tmp_path)
-    header, content = pack.unpacked(pack_of(tmp_path, "scene.xml", ROBOT, (), 200_000))
+    header, content = pack.read_pack(pack_of(tmp_path, "scene.xml", ROBOT, (), 200_000))
     return header, content, mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
 
 
 def header_of(folder, scene, **more):
     write(folder, scene=scene, **more)
-    return pack.unpacked(pack_of(folder, "scene.xml", ROBOT, (), 200_000))[0]
+    return pack.read_pack(pack_of(folder, "scene.xml", ROBOT, (), 200_000))[0]
 
 
 def model_of(folder):
@@ -269,7 +269,7 @@ def test_hostile_name_is_only_in_the_compressed_header(tmp_path):
     name = HOSTILE.replace("<", "&lt;").replace('"', "&quot;")
     write(tmp_path, robot=INCLUDED.replace('name="turn"', f'name="{name}"').replace('="turn"', f'="{name}"'))
     made = pack_of(tmp_path, "scene.xml", ROBOT, (), 200_000)
-    header, _ = pack.unpacked(made)
+    header, _ = pack.read_pack(made)
     assert header["joints"][2]["name"] == HOSTILE
     assert b"<script" not in made
     assert header["engine"] is not None
@@ -305,7 +305,7 @@ def test_bytes_do_not_depend_on_the_seed_of_hashes(tmp_path):
 def test_urdf_has_a_view_without_an_engine(tmp_path):
     compiler = '<mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco></robot>'
     (tmp_path / "arm.urdf").write_text(ARM.replace("</robot>", compiler))
-    header, _ = pack.unpacked(pack_of(Path(tmp_path), "arm.urdf", ROBOT, (), 1000))
+    header, _ = pack.read_pack(pack_of(Path(tmp_path), "arm.urdf", ROBOT, (), 1000))
     assert header["engine"] is None
     assert "export=mjcf" in header["no_engine"]
     assert {geom["type"] for geom in header["geoms"]} == {"box"}

@@ -10,7 +10,7 @@ from linkwright.stages.show.live import pack, scene
 from linkwright.stages.show.live.decimate import Thinnable, clustered, fitted
 from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.scene import pack_of
-from linkwright.stages.show.live.triangles import STEPS, Facets, stored
+from linkwright.stages.show.live.triangles import STEPS, Facets, store
 from tests.support.live_robots import INCLUDED, bumpy, stl, triangles, write
 from tests.support.robots import robot_with
 
@@ -82,7 +82,7 @@ def test_mesh_that_manifold3d_does_not_take_is_clustered(monkeypatch):
 def test_page_has_at_most_this_number_of_triangles_and_says_so(tmp_path):
     write(tmp_path)
     (tmp_path / "assets" / "shell.stl").write_bytes(stl(bumpy(5)))
-    header, content = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 2000))
+    header, content = pack.read_pack(pack_of(tmp_path, "scene.xml", robot_with(()), (), 2000))
     roles = {geom["role"]: geom["mesh"] for geom in header["geoms"] if geom["type"] == "mesh"}
     faces, collider = (header["meshes"][roles[role]]["faces"] for role in ("visual", "collision"))
     assert 500 < faces <= 2000
@@ -94,7 +94,7 @@ def test_page_has_at_most_this_number_of_triangles_and_says_so(tmp_path):
     file = (tmp_path / "assets" / "hull.stl").read_bytes()
     assert content[place["at"] : place["at"] + place["bytes"]] == file
     # A geom whose mesh is left out is no geom.
-    header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 1))
+    header, _ = pack.read_pack(pack_of(tmp_path, "scene.xml", robot_with(()), (), 1))
     assert [geom for geom in header["geoms"] if geom["type"] == "mesh"] == []
     assert header["meshes"] == []
     assert header["thinned"]["faces"] == 0
@@ -107,7 +107,7 @@ def test_many_points_have_indices_of_four_bytes_and_flat_meshes_no_step():
     first = np.arange(len(points) - 261)
     corners = np.stack([first, first + 1, first + 260], axis=1)
     buffers = Buffers()
-    entry = stored(Facets(points, corners, len(corners)), buffers)
+    entry = store(Facets(points, corners, len(corners)), buffers)
     assert entry["indices"]["bytes"] == 4
     assert entry["positions"]["step"] == pytest.approx([259 / STEPS, 259 / STEPS, 0], rel=1e-9)
     corners_read = triangles({"meshes": [entry]}, buffers.content(), 0)
@@ -118,7 +118,7 @@ def test_points_that_fall_together_are_one_and_their_triangles_gone():
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-9, 0, 0], [0, 0, 1]])
     corners = np.array([[0, 1, 2], [0, 1, 3], [3, 1, 4]])
     buffers = Buffers()
-    entry = stored(Facets(points, corners, 3), buffers)
+    entry = store(Facets(points, corners, 3), buffers)
     assert (entry["positions"]["count"], entry["faces"], entry["of_faces"]) == (4, 2, 3)
 
 
@@ -129,12 +129,12 @@ def test_pack_that_is_too_large_has_fewer_triangles_then_no_engine(tmp_path, mon
     monkeypatch.setattr(scene, "MAX_BYTES", len(whole) // 3)
     smaller = pack_of(tmp_path, "scene.xml", robot_with(()), (), 20_480)
     assert len(smaller) <= len(whole) // 3
-    header, _ = pack.unpacked(smaller)
+    header, _ = pack.read_pack(smaller)
     assert header["engine"] is not None
     assert header["thinned"]["faces"] < header["thinned"]["of_faces"]
     without = pack_of(tmp_path, "scene.xml", robot_with(()), (), 1)
     monkeypatch.setattr(scene, "MAX_BYTES", 2 * len(without) - 1000)
-    header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 100))
+    header, _ = pack.read_pack(pack_of(tmp_path, "scene.xml", robot_with(()), (), 100))
     assert (header["engine"], header["no_engine"]) == (None, "the colliders are too large for a page")
     monkeypatch.setattr(scene, "MAX_BYTES", 100)
     with pytest.raises(ValueError, match="too large for a page"):

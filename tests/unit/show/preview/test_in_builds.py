@@ -53,7 +53,7 @@ def test_build_leaves_its_picture_and_none_is_out_of_date(make, tmp_path, monkey
     inside = page.partition("data:image/png;base64,")[2].partition('"')[0]
     assert robot_in(pixels_of(base64.b64decode(inside))).mean() > 0.02
     # From the cache, nothing is drawn again.
-    monkeypatch.setattr(ask, "drawn", lambda *_, **__: pytest.fail("it is in the cache"))
+    monkeypatch.setattr(ask, "pictures_of", lambda *_, **__: pytest.fail("it is in the cache"))
     make()
     assert (out / PICTURE).read_bytes() == data
     assert PICTURE in json.loads((out / ".linkwright.json").read_text())["files"]
@@ -76,7 +76,9 @@ def test_one_format_is_enough(make, formats):
 
 
 def test_accident_fails_no_build_and_is_reported(make, tmp_path, monkeypatch):
-    monkeypatch.setattr(ask, "drawn", lambda *_, **__: {ENDED: b'{"why": "drawing it crashed (SIGSEGV)"}'})
+    monkeypatch.setattr(
+        ask, "pictures_of", lambda *_, **__: {ENDED: b'{"why": "drawing it crashed (SIGSEGV)"}'}
+    )
     report = make()
     assert (report.status, report.preview) == ("built", "")
     (diagnostic,) = (diagnostic for diagnostic in report.diagnostics if diagnostic.code == "I-PREVIEW")
@@ -99,7 +101,7 @@ def test_picture_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkey
         assert not halted.is_set()
         raise end
 
-    monkeypatch.setattr(ask, "drawn", slowly)
+    monkeypatch.setattr(ask, "pictures_of", slowly)
     monkeypatch.setattr("linkwright.pipeline.stages.stage.validate", checks)
     with pytest.raises(type(end)):
         make(until="validate")

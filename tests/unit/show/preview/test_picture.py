@@ -11,9 +11,9 @@ from linkwright.stages.formats import png
 from linkwright.stages.show.preview.camera import framing
 from linkwright.stages.show.preview.compiled import look_of
 from linkwright.stages.show.preview.drawing.painting import draw_picture, render
-from linkwright.stages.show.preview.drawing.studio import studio, swept, turned_by
+from linkwright.stages.show.preview.drawing.studio import studio, swept_points, turned_by
 from linkwright.stages.show.preview.surface import surface_of
-from linkwright.stages.show.raster import seen
+from linkwright.stages.show.raster import nearest_triangles
 from tests.support.other_robots import FILES, is_here
 from tests.support.pictures import robot_in, silhouette_by_driver
 
@@ -187,7 +187,7 @@ def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch
 
 def test_a_robot_that_turns_stays_in_the_picture_and_is_of_one_size():
     scene = scene_of(mujoco.MjModel.from_xml_string(arm()))
-    framed, heights = swept(scene), []
+    framed, heights = swept_points(scene), []
     for angle in np.linspace(0, 2 * np.pi, 7, endpoint=False):
         other = turned_by(scene, angle)
         camera = framing(framed, other.backward, *SIZE)
@@ -216,7 +216,7 @@ def test_mujocos_own_renderer_sees_the_same_silhouette(model, tmp_path):
     compiled = (mujoco.MjModel.from_xml_path if by_path else mujoco.MjModel.from_xml_string)(*model.values())
     scene = scene_of(compiled)
     camera = framing(scene.surface.corners.reshape(-1, 3), scene.backward, *SIZE)
-    own = seen(camera.projected(scene.surface.corners), *SIZE) >= 0
+    own = nearest_triangles(camera.projected(scene.surface.corners), *SIZE) >= 0
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, camera.world_from_camera.flatten())
     fovy = 2 * np.degrees(np.arctan(SIZE[1] / 2 / camera.focal))

@@ -31,7 +31,7 @@ from linkwright.stages.show.preview import (
     needed_by,
     turning,
 )
-from linkwright.stages.show.preview.ask import Painter, drawn
+from linkwright.stages.show.preview.ask import Painter, pictures_of
 from linkwright.stages.show.preview.compiled import look_of, look_of_files
 from linkwright.stages.show.preview.look import Geom, Look, packed
 from linkwright.stages.show.preview.model_text import mjcf_text
@@ -68,7 +68,7 @@ def cache(tmp_path):
 def guest_like(monkeypatch):
     """A stand-in for the guest: what it returns, and how often it was asked."""
     stand_in = Mock(return_value={PICTURE: b"picture", SMALL: b"small"})
-    monkeypatch.setattr(ask, "drawn", stand_in)
+    monkeypatch.setattr(ask, "pictures_of", stand_in)
     return stand_in
 
 
@@ -108,7 +108,7 @@ def test_files_that_a_model_cannot_name_are_not_needed():
 @pytest.mark.parametrize("files", [FILES, {"arm.urdf": URDF, "robot.json": ROBOT}], ids=["mjcf", "urdf"])
 def test_guest_draws_the_same_bytes_whatever_the_driver(files, monkeypatch):
     look = look_of_files(model_of(files), files)
-    drawing = drawn(look, "png")
+    drawing = pictures_of(look, "png")
     assert sorted(drawing) == [PICTURE, SMALL]
     assert len(drawing[SMALL]) <= 66_000
     assert png.problem(drawing[PICTURE]) == png.problem(drawing[SMALL]) == ""
@@ -116,7 +116,7 @@ def test_guest_draws_the_same_bytes_whatever_the_driver(files, monkeypatch):
     assert pixels.shape == (guest.SIZE[1], guest.SIZE[0], 3)
     assert robot_in(pixels).mean() > 0.05
     monkeypatch.setenv("MUJOCO_GL", "nonsense")
-    assert drawn(look, "png") == drawing
+    assert pictures_of(look, "png") == drawing
 
 
 def asked(model, files, kind):
@@ -149,7 +149,7 @@ def test_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
         for frame in range(frames):
             opened.seek(frame)
             shown.append(opened.convert("RGB").tobytes())
-            assert opened.info["duration"] == turning.FRAME
+            assert opened.info["duration"] == turning.FRAME_TIME
     assert len(set(shown)) == frames
     assert len(drawing[TURN]) < 1_000_000
 
@@ -166,7 +166,7 @@ def test_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
     ],
 )
 def test_guest_that_fails_is_survived_and_reported(visitor, lines, why):
-    results = drawn(LOOK, "png", visitor(lines))
+    results = pictures_of(LOOK, "png", visitor(lines))
     assert {name: json.loads(data) for name, data in results.items()} == {ENDED: {"why": why}}
 
 
@@ -182,7 +182,7 @@ EATS = "kept = b'x' * (1 << 29)\nimport time\ntime.sleep(60)"
     ids=["hangs", "eats memory"],
 )
 def test_guest_that_takes_too_much_is_ended(visitor, lines, bounds, why):
-    assert why in json.loads(drawn(LOOK, "png", visitor(lines, bounds))[ENDED])["why"]
+    assert why in json.loads(pictures_of(LOOK, "png", visitor(lines, bounds))[ENDED])["why"]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from linkwright.stages.show.preview import solids
 from linkwright.stages.show.preview.camera import _FILLED, framing, turned
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
-from linkwright.stages.show.preview.thinning import thinned
+from linkwright.stages.show.preview.thinning import merge_details
 
 SHAPES = {
     "ball": (solids.ellipsoid(np.full(3, 2.0)), 4 / 3 * np.pi * 8, 4 * np.pi * 4),
@@ -65,10 +65,10 @@ def test_with_too_many_faces_at_a_corner_each_is_flat(monkeypatch):
 
 
 def test_thinned_triangles_are_fewer_and_where_they_were():
-    fewer = thinned(BALL, 0.4)
+    fewer = merge_details(BALL, 0.4)
     assert 20 < len(fewer) < len(BALL) / 3
     assert np.linalg.norm(fewer, axis=2) == pytest.approx(np.ones(fewer.shape[:2]), abs=0.1)
-    assert len(thinned(np.concatenate([BALL, BALL]), 1e-6)) == len(thinned(BALL, 1e-6))
+    assert len(merge_details(np.concatenate([BALL, BALL]), 1e-6)) == len(merge_details(BALL, 1e-6))
 
 
 def test_cloud_of_a_surface_is_on_it_and_leaves_no_cell_out():
