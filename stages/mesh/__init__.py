@@ -11,7 +11,7 @@ kind.
 - geometry: Makes the geometry of a robot: the meshes and colliders of each link, which are then given file
   names.
 - idle_keys: Reports keys of the mesh stage that are set, but have no effect on this robot.
-- library: Reads the part meshes of a bundle: each reply once, and only if something must be made from it.
+- library: Reads the part meshes of a bundle: each reply at most once, when the first of its meshes is needed.
 - link_mesh: Collects findings about the meshes of a link's parts, and encodes the link's visual meshes.
 - link_uses: Collects the parts of each link that have a mesh, and makes the link's visual meshes from them.
 - makers: Maps the names of collider makers to their modules.

@@ -21,10 +21,11 @@ Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
 """Shapes, and the content of the mesh files that they refer to, by file name."""
 
 
-def converted(
+def convert_assets(
     shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection", *, obj_only: bool = False
 ) -> tuple[Assets, list[Diagnostic]]:
-    """Converts mesh files to the configured format, and returns the shapes with their new file names.
+    """Converts mesh files to the configured format; returns the shapes with their new file names, the content
+    of the files, and reports.
 
     All given meshes are named .stl, but the data of meshes with a texture are already OBJ, since an STL has
     no texture coordinates; these stay OBJ, and `files` has their images. Meshes with equal content become one
@@ -33,13 +34,13 @@ def converted(
     """
     if section.assets == "none":
         primitives = tuple(shape for shape in shapes if shape.file is None)
-        return (primitives, {}), _left_out(shapes)
+        return (primitives, {}), _omission_reports(shapes)
     assets = {name: data for name, data in files.items() if name.endswith(textures.IMAGE_SUFFIX)}
     shared_names = _first_names(shapes, files)
-    renamed = []
+    named_shapes = []
     for shape in shapes:
         if shape.file is None:
-            renamed.append(shape)
+            named_shapes.append(shape)
             continue
         data = files[shape.file]
         name = shared_names[_sharing_key(shape, data)]
@@ -53,13 +54,13 @@ def converted(
                 assets[name] = obj.write(surface(data))
         else:
             assets[name] = data
-        renamed.append(replace(shape, file=name))
-    return (tuple(renamed), dict(sorted(assets.items()))), []
+        named_shapes.append(replace(shape, file=name))
+    return (tuple(named_shapes), dict(sorted(assets.items()))), []
 
 
 def _first_names(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> dict[Hashable, str]:
-    """Maps each content to the name of its first mesh, in the order of the links, with visual meshes before
-    colliders."""
+    """Maps each sharing key to the file name of its first mesh, in the order of the links, with visual meshes
+    before colliders."""
     order = {link: index for index, link in enumerate(dict.fromkeys(shape.link for shape in shapes))}
     names: dict[Hashable, str] = {}
     for shape in sorted(shapes, key=lambda shape: (order[shape.link], shape.role == "collision")):
@@ -84,7 +85,7 @@ def _obj_name(name: str) -> str:
     return f"{name.removesuffix('.stl')}.obj"
 
 
-def _left_out(shapes: Sequence[Shape]) -> list[Diagnostic]:
+def _omission_reports(shapes: Sequence[Shape]) -> list[Diagnostic]:
     meshes = [shape for shape in shapes if shape.file is not None]
     visuals = sum(shape.role == "visual" for shape in meshes)
     colliders = len(meshes) - visuals

@@ -43,7 +43,7 @@ def com_outside_hull(
             colliders.setdefault(shape.link, []).append(files[shape.file])
     for link in links:
         com = link.inertial.com
-        if link.inertial.mass == 0 or _in_one_of(colliders.get(link.name, ()), com):
+        if link.inertial.mass == 0 or _is_in_any(colliders.get(link.name, ()), com):
             continue
         problem = _check(link, library(link.parts))
         if problem is not None:
@@ -51,8 +51,8 @@ def com_outside_hull(
     return problems
 
 
-def _in_one_of(files: Sequence[bytes], point: Array) -> bool:
-    return any(_within(stl.read(data), point) for data in files)
+def _is_in_any(files: Sequence[bytes], point: Array) -> bool:
+    return any(_contains(stl.read(data), point) for data in files)
 
 
 def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
@@ -74,54 +74,60 @@ def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
         return None
     cloud = np.concatenate(points)
     size = float(np.linalg.norm(np.ptp(cloud, axis=0)))
-    distance = outside(cloud, com)
+    distance = distance_outside_hull(cloud, com)
     return None if distance <= _RELATIVE_TOLERANCE * size else _diagnostic(link, pairs, distance)
 
 
 def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
-    wrong = sorted(part.name for part, mesh in pairs if link.given is None and _outside_itself(part, mesh))
+    wrong_parts = sorted(
+        part.name for part, mesh in pairs if link.given is None and _has_com_outside_mesh(part, mesh)
+    )
     message = f"the centre of mass lies {distance:.3g} m or more outside the convex hull of the link"
     hint = "check the frame of the mass properties, and look for bodies with a mass but no mesh"
     if link.given is not None or not link.parts:
         message += ", and the link's mass properties were given by the configuration"
         hint = "give com in the link's frame, in metres"
-    elif wrong:
-        shown = ", ".join(wrong[:5]) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
+    elif wrong_parts:
+        shown = ", ".join(wrong_parts[:5]) + (
+            f" and {len(wrong_parts) - 5} more" if len(wrong_parts) > 5 else ""
+        )
         message += f"; it is also outside the part's own mesh for: {shown}"
         hint = "check their mass properties in Onshape, such as an override of the centre of mass"
     return Diagnostic("W-COM-OUTSIDE", message, link.name, hint)
 
 
-def _outside_itself(part: Part, mesh: PartMesh) -> bool:
+def _has_com_outside_mesh(part: Part, mesh: PartMesh) -> bool:
     """Tells whether the centre of mass of a part is outside the hull of its mesh."""
     if part.inertial.mass == 0:
         return False
     vertices = mesh.surface.vertices
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    return outside(vertices, part.inertial.com) > _RELATIVE_TOLERANCE * size
+    return distance_outside_hull(vertices, part.inertial.com) > _RELATIVE_TOLERANCE * size
 
 
-def outside(points: Points, point: Array) -> float:
+def distance_outside_hull(points: Points, point: Array) -> float:
     """Returns a lower bound of the distance [m] of `point` (3,) from the convex hull of `points` (n ≥ 3, 3);
     0 inside.
 
     The points may lie in a plane, on a line or in one place; then the distance from that counts too.
     """
-    if len(points) > _MAX_POINTS and not outside(points[:: len(points) * 2 // _MAX_POINTS], point):
+    if len(points) > _MAX_POINTS and not distance_outside_hull(
+        points[:: len(points) * 2 // _MAX_POINTS], point
+    ):
         return 0.0  # a point in the hull of a sample is in the hull of all points
     centroid = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - centroid, full_matrices=False)
     local, target = (points - centroid) @ axes.T, (point - centroid) @ axes.T
     low, high = local.min(axis=0), local.max(axis=0)
     box_distance = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - target, target - high))))
-    wide = high - low > _RELATIVE_TOLERANCE / 10 * float((high - low).max())
-    if wide.sum() < 2:
+    is_wide = high - low > _RELATIVE_TOLERANCE / 10 * float((high - low).max())
+    if is_wide.sum() < 2:
         return box_distance
-    planes = scipy.spatial.ConvexHull(local[:, wide]).equations
-    return max(box_distance, float((planes[:, :-1] @ target[wide] + planes[:, -1]).max()))
+    planes = scipy.spatial.ConvexHull(local[:, is_wide]).equations
+    return max(box_distance, float((planes[:, :-1] @ target[is_wide] + planes[:, -1]).max()))
 
 
-def _within(corners: Points, point: Array) -> bool:
+def _contains(corners: Points, point: Array) -> bool:
     """Tells whether `point` (3,) is inside a convex surface, given as triangles (m, 3, 3) in single
     precision."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -13,8 +13,8 @@ from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.robot import Link, Part
 from linkwright.stages.robot.text.plural import count
 
-FILES = ("urdf", "mjcf")
-"""The kinds of bundle that declare collision shapes of their own."""
+SHAPE_DECLARING_KINDS = ("urdf", "mjcf")
+"""Kinds of sources that declare collision shapes."""
 
 _MAX_LISTED = 20
 """Largest number of parts that a diagnostic lists."""
@@ -27,7 +27,7 @@ def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"], as_i
     or the link has no collision shapes. `kind`: kind of the bundle; `as_is`: whether the source itself says
     what collides, so that visual shapes replace missing collision shapes only if `basis` is visual.
     """
-    if kind not in FILES or (as_is and basis == "declared"):
+    if kind not in SHAPE_DECLARING_KINDS or (as_is and basis == "declared"):
         return link
     declared = any(part.collides for part in link.parts) or any(shape.collision for shape in link.shapes)
     if basis == "declared" and declared:
@@ -63,12 +63,12 @@ def reported(small: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     labels = [f"{name} of {link}" for link, names in small.items() for name in sorted(names)]
     if not labels:
         return []
-    rest = f" and {len(labels) - _MAX_LISTED} more" if len(labels) > _MAX_LISTED else ""
+    more = f" and {len(labels) - _MAX_LISTED} more" if len(labels) > _MAX_LISTED else ""
     return [
         Diagnostic(
             "I-SMALL-PARTS",
             f"{count(len(labels), 'part')} of standard content or too small to matter have no collider: "
-            f"{', '.join(labels[:_MAX_LISTED])}{rest}",
+            f"{', '.join(labels[:_MAX_LISTED])}{more}",
             "mesh.min_size",
             "name a part in mesh.colliders to give it one; mesh.min_size=0 leaves out standard content alone",
         )

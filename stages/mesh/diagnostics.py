@@ -32,11 +32,11 @@ def diagnostics(
                 "fetch it from Onshape, or use a bundle with triangles",
             )
         ]
-    problems = [problem for link in links for problem in _missing(link, findings[link.name])]
-    return problems + _volumes(pairs) + _decimated(links, visuals)
+    problems = [problem for link in links for problem in _missing_mesh_reports(link, findings[link.name])]
+    return problems + _volume_reports(pairs) + _decimation_reports(links, visuals)
 
 
-def _missing(link: Link, findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
+def _missing_mesh_reports(link: Link, findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
     names = sorted(part.name for part, finding in findings if not finding.found)
     if not names:
         return []
@@ -51,7 +51,7 @@ def _missing(link: Link, findings: Sequence[tuple[Part, PartFinding]]) -> list[D
     ]
 
 
-def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> list[Diagnostic]:
+def _decimation_reports(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> list[Diagnostic]:
     """Reports W-VISUAL-FACES for each link with more triangles than it may have, and I-DECIMATED once for all
     other links with fewer triangles than their parts."""
     problems, entries = [], []
@@ -72,8 +72,8 @@ def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> lis
                 )
             )
         else:
-            moved = f"{1e3 * decimation.error:.2g} mm"
-            entries.append(f"{link.name} {decimation.before} → {decimation.after} ({moved})")
+            error_in_mm = f"{1e3 * decimation.error:.2g} mm"
+            entries.append(f"{link.name} {decimation.before} → {decimation.after} ({error_in_mm})")
     if entries:
         rest = f" and {len(entries) - _MAX_LISTED} more" if len(entries) > _MAX_LISTED else ""
         problems.append(
@@ -88,7 +88,7 @@ def _decimated(links: Sequence[Link], visuals: Mapping[str, LinkVisuals]) -> lis
     return problems
 
 
-def _volumes(findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
+def _volume_reports(findings: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
     """Reports W-MESH-VOLUME once for each mesh of another volume than CAD's, at the first part that uses
     it."""
     reported_meshes: set[MeshRef] = set()

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from linkwright.stages.mesh.assets import converted
+from linkwright.stages.mesh.assets import convert_assets
 from linkwright.stages.mesh.by_contact.build import by_contact, false_contacts
 from linkwright.stages.mesh.by_contact.meeting import fine_links
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
@@ -15,7 +15,7 @@ from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import default_choice
 from linkwright.stages.mesh.collide.collision import Collider, colliders
 from linkwright.stages.mesh.collide.make import ColliderJob, MadeCollider, collide
-from linkwright.stages.mesh.collide.report import colliders_reported, figures_of
+from linkwright.stages.mesh.collide.report import collider_reports, figures_of
 from linkwright.stages.mesh.collide.reshaped import reshaped
 from linkwright.stages.mesh.com_check import com_outside_hull
 from linkwright.stages.mesh.contact_parts import reported as too_small_reported
@@ -94,10 +94,10 @@ def build_geometry(
     colliders_with_parts = [(made, _parts_of(made, uses)) for made in made_colliders]
     problems += reshaped(links, colliders_with_parts, makers, shapes, keys.mesh, keys.target.chosen)
     problems += idle_keys(keys, {maker.how for maker in makers}, bundle.kind)
-    problems += colliders_reported(made_colliders)
+    problems += collider_reports(made_colliders)
     problems += false_contacts(false_pairs)
     problems += too_small_reported(_small_part_names(uses))
-    problems += com_outside_hull(links, library.of_parts, shapes, files)
+    problems += com_outside_hull(links, library.meshes_of_parts, shapes, files)
     figures = [figures_of(made, [part.name for part in parts]) for made, parts in colliders_with_parts]
     # An exclude refers to shapes by their numbers, so only shapes that are written count.
     written = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
@@ -105,8 +105,8 @@ def build_geometry(
     contacts = self_contacts(robot, written, files, keys.contact, memo, user_excludes, figures, declared)
     problems += contacts.diagnostics
     choice_of = _choices_by_collider(made_colliders, uses)
-    shapes_with_contact = with_properties(shapes, choice_of, keys.geoms, contacts.by_source)
-    (final_shapes, assets), left_out = converted(shapes_with_contact, files, keys.mesh, obj_only=limits.obj)
+    contact_shapes = with_properties(shapes, choice_of, keys.geoms, contacts.by_source)
+    (final_shapes, assets), left_out = convert_assets(contact_shapes, files, keys.mesh, obj_only=limits.obj)
     result = Geometry(
         final_shapes,
         assets,
@@ -169,7 +169,7 @@ def _choices_by_collider(
     """Returns the choice for the first part of each collider, by link and index of the collider in it. Parts
     that share a collider have the same choice of contact."""
     return {
-        (made.job.link, index): uses_by_link[made.job.link].chosen[made.job.parts[0]]
+        (made.job.link, index): uses_by_link[made.job.link].choices[made.job.parts[0]]
         for made, index in zip(made_colliders, _collider_indices(made_colliders), strict=True)
     }
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, Maker
-from linkwright.stages.mesh.contact_parts import FILES
+from linkwright.stages.mesh.contact_parts import SHAPE_DECLARING_KINDS
 from linkwright.stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) 
             reader_names = " or ".join(readers) or "ladder without a tolerance"
             text = f"no collider is made by {reader_names}, so this key has no effect"
             yield Diagnostic("I-IDLE-KEY", text, f"mesh.{key}", "remove it, or choose such a collider")
-        if key == "basis" and source not in FILES:
+        if key == "basis" and source not in SHAPE_DECLARING_KINDS:
             text = "the source has no collision shapes of its own, so this key has no effect"
             yield Diagnostic("I-IDLE-KEY", text, "mesh.basis", "remove it: only a URDF or an MJCF has them")
     if section.glb_up != default.glb_up and section.format != "glb":

@@ -1,4 +1,4 @@
-"""Reads the part meshes of a bundle: each reply once, and only if something must be made from it."""
+"""Reads the part meshes of a bundle: each reply at most once, when the first of its meshes is needed."""
 
 from collections.abc import Iterable
 
@@ -27,7 +27,7 @@ class MeshLibrary:
                 if part.mesh:
                     self._parts_of_reply.setdefault(part.mesh.reply, set()).add(part.mesh.part)
 
-    def of_parts(self, parts: Iterable[Part]) -> dict[MeshRef, PartMesh]:
+    def meshes_of_parts(self, parts: Iterable[Part]) -> dict[MeshRef, PartMesh]:
         """Returns the meshes of these parts; parts without a mesh are left out."""
         return self.meshes(part.mesh for part in parts if part.mesh)
 
@@ -49,5 +49,5 @@ class MeshLibrary:
         than `max_triangles` is decimated, and moves by at most about `MAX_DECIMATION_MOVE`."""
         mesh = self.meshes([ref]).get(ref)
         if mesh and max_triangles is not None and len(mesh.surface.triangles) > max_triangles:
-            mesh = self.decimator.lighter(ref, mesh, MAX_DECIMATION_MOVE)
+            mesh = self.decimator.decimated(ref, mesh, MAX_DECIMATION_MOVE)
         return mesh.surface if mesh else None

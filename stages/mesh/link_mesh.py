@@ -33,9 +33,10 @@ class PlacedMesh:
     """Whether the part is drawn."""
 
     def key(self) -> list[Any]:
-        """Returns the placed mesh as plain data, exact to the bit, for keys of the cache."""
+        """Returns the placed mesh as plain data, exact to the bit, for cache keys."""
         return [
             self.mesh.part,
+            # + 0.0 makes -0.0 equal to 0.0.
             [(value + 0.0).hex() for value in self.link_from_part.ravel().tolist()],
             self.mesh.reply,
             *([] if self.collides else ["seen"]),

@@ -27,8 +27,8 @@ class LinkUses:
     parts: tuple[Part, ...]
     uses: tuple[PlacedMesh, ...]
     """Mesh and pose of each part."""
-    chosen: tuple[PartChoice, ...]
-    """Choices for each part."""
+    choices: tuple[PartChoice, ...]
+    """The choices for each part."""
     link_parts: LinkParts
     """Findings about the meshes of the parts."""
     small: frozenset[int]
@@ -43,7 +43,7 @@ class LinkUses:
         ]
         uses = [self.uses[index] for index in colliding]
         names = [self.parts[index].name for index in colliding]
-        for job in jobs_of(link, uses, names, [self.chosen[index].maker for index in colliding]):
+        for job in jobs_of(link, uses, names, [self.choices[index].maker for index in colliding]):
             yield replace(job, parts=tuple(colliding[index] for index in job.parts))
 
 
@@ -66,10 +66,10 @@ def used_meshes(
                 use = PlacedMesh(part.mesh, part.link_from_part, choice.collides, choice.seen)
                 triples.append((use, part, choice))
         triples.sort(key=lambda triple: triple[0].key())
-        uses, parts, makers = zip(*triples, strict=True) if triples else ((), (), ())
+        uses, parts, choices = zip(*triples, strict=True) if triples else ((), (), ())
         link_parts = _link_parts(uses, library, memo)
-        small = frozenset[int]() if as_is else too_small(parts, link_parts, makers, min_size)
-        uses_by_link[link.name] = LinkUses(parts, uses, makers, link_parts, small)
+        small = frozenset[int]() if as_is else too_small(parts, link_parts, choices, min_size)
+        uses_by_link[link.name] = LinkUses(parts, uses, choices, link_parts, small)
     return uses_by_link
 
 
@@ -78,7 +78,7 @@ def link_visuals(
 ) -> dict[str, LinkVisuals]:
     """Returns the visual meshes of each link, by the link's name."""
 
-    def of_link(uses: Sequence[PlacedMesh]) -> LinkVisuals:
+    def visuals_of_link(uses: Sequence[PlacedMesh]) -> LinkVisuals:
         def make() -> bytes:
             meshes = library.meshes(use.mesh for use in uses)
             return link_mesh.encode(link_mesh.visuals_of(uses, meshes, section.visual, library.decimator))
@@ -86,7 +86,7 @@ def link_visuals(
         key = {"visual": section.visual.identity(), "parts": [use.key() for use in uses]}
         return link_mesh.decode(memo("mesh.link", key, make)) if uses else LinkVisuals((), (), None)
 
-    return {name: of_link(link.uses) for name, link in uses_by_link.items()}
+    return {name: visuals_of_link(link.uses) for name, link in uses_by_link.items()}
 
 
 def _link_parts(uses: Sequence[PlacedMesh], library: MeshLibrary, memo: "Memo") -> LinkParts:

@@ -12,14 +12,14 @@ from linkwright.stages.robot.motion.start_pose import HOME
 def motion_digest(robot: Robot) -> str:
     """Returns a digest of all that decides where links are; masses, dynamics and CAD origins are left out."""
 
-    def dofs(group: Sequence[Dof]) -> list[Any]:
+    def plain_dofs(group: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in group]
 
     motion = [
         [link.name for link in robot.links],
         robot.base.fixed,
         [
-            [joint.type, joint.parent, joint.child, joint.parent_from_joint, dofs(joint.dofs)]
+            [joint.type, joint.parent, joint.child, joint.parent_from_joint, plain_dofs(joint.dofs)]
             for joint in robot.joints
         ],
         [
@@ -30,7 +30,7 @@ def motion_digest(robot: Robot) -> str:
                 loop.link_b,
                 loop.a_from_frame,
                 loop.b_from_frame,
-                dofs(loop.dofs),
+                plain_dofs(loop.dofs),
             ]
             for loop in robot.loops
         ],

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.mesh import COLLIDERS
-from linkwright.stages.mesh.collide.choices import Choice, chosen_by, default_choice
+from linkwright.stages.mesh.collide.choices import Choice, choices_by_glob, default_choice
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, HullSettings
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties
@@ -56,7 +56,7 @@ def part_choices(
     by_source = as_is and keys.mesh.basis == "declared"
     limits = shape_limits(keys.target.chosen)
     default = default_choice(keys.mesh, limits)
-    entries = chosen_by(keys.mesh, limits)
+    entries = choices_by_glob(keys.mesh, limits)
     choices = {}
     for link in links:
         for index, part in enumerate(link.parts):
@@ -64,14 +64,14 @@ def part_choices(
             for glob in _matching(entries, link.name, part):
                 maker = replace(entries[glob], apart=not matches_glob(link.name, glob))
             contact = contact_of(keys.geoms, link.name, "collision", part)
-            apart = any(
+            is_contact_separate = any(
                 not matches_glob(link.name, glob) and keys.geoms[glob].collision.model_dump(exclude_none=True)
                 for glob in _matching(keys.geoms, link.name, part)
             )
             choices[link.name, index] = PartChoice(
                 part.collides and not _matching(ignore.collision, link.name, part),
                 part.seen and not _matching(ignore.visual, link.name, part),
-                _with_part_maker(maker, part, apart, by_source, limits),
+                _with_part_maker(maker, part, is_contact_separate, by_source, limits),
                 contact,
             )
     return choices
@@ -121,17 +121,20 @@ def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link],
         log.unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)
 
 
-def _with_part_maker(choice: Choice, part: Part, apart: bool, declared: bool, limits: ShapeLimits) -> Choice:
+def _with_part_maker(
+    choice: Choice, part: Part, has_own_contact: bool, declared: bool, limits: ShapeLimits
+) -> Choice:
     """Returns the choice of the maker, adapted to a part. An ellipsoid becomes its hull, with as many
     vertices as the `limits` allow. A collider that an MJCF source declares (`declared`) becomes its hull, as
-    MuJoCo uses it, unless the configuration asks for another collider."""
+    MuJoCo uses it, unless the configuration asks for another collider. `has_own_contact`: whether the part
+    needs a collider of its own since `geoms` names it."""
     settings = choice.settings
     if part.form.ellipsoid:
         settings = HullSettings(limits.vertices(_MAX_ELLIPSOID_VERTICES))
     elif declared and isinstance(settings, ContactSettings):
         settings = HullSettings(settings.max_vertices)
     else:
-        return replace(choice, apart=choice.apart or apart or part.form != PLAIN)
+        return replace(choice, apart=choice.apart or has_own_contact or part.form != PLAIN)
     return replace(choice, maker="hull", how=COLLIDERS["hull"], settings=settings, apart=True)
 
 
@@ -145,16 +148,16 @@ def with_properties(
     that `geoms` sets for the link and role, or for the part. `choice_of`: the choice for the parts of each
     collider, by link and index; `by_source`: whether the source says what collides."""
 
-    def of(shape: Shape) -> ContactProperties | None:
+    def contact_of_shape(shape: Shape) -> ContactProperties | None:
         key = shape.link, -1 if shape.collider is None else shape.collider
         contact = choice_of[key].contact if key in choice_of else contact_of(geoms, shape.link, shape.role)
-        from_source = _of_source(shape, by_source)
+        from_source = _contact_of_source(shape, by_source)
         return replace(from_source or ContactProperties(), **contact) if contact else from_source
 
-    return tuple(replace(shape, contact=of(shape)) for shape in shapes)
+    return tuple(replace(shape, contact=contact_of_shape(shape)) for shape in shapes)
 
 
-def _of_source(shape: Shape, by_source: bool) -> ContactProperties | None:
+def _contact_of_source(shape: Shape, by_source: bool) -> ContactProperties | None:
     """Returns a shape's contact properties in an MJCF source; the bits only if they decide what collides."""
     contact = shape.form.contact
     if contact is None or by_source:

@@ -64,7 +64,7 @@ class Built:
         if self.name in FILES:
             kind, path = FILES[self.name]
             return seen_parts.of_urdf(path) if kind == "urdf" else seen_parts.of_mjcf(path)
-        return seen_parts.of_parts(self.mjcf())
+        return seen_parts.meshes_of_parts(self.mjcf())
 
 
 def arguments(name, by_part):

@@ -8,7 +8,7 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import Improvement, helper
 from linkwright.stages.mesh.colliders import coacd
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import Search, decomposed
+from linkwright.stages.mesh.decompose import Search, convex_pieces
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.errors import DecompositionFailed
 
@@ -30,7 +30,7 @@ def improved(work, **of_guest):
 def decompose(surface, tolerance, most_vertices=64, search=DEFAULT):
     """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
     none."""
-    made = decomposed(surface, tolerance, search)
+    made = convex_pieces(surface, tolerance, search)
     if isinstance(made, str):
         raise DecompositionFailed(made)
     cutter = PieceCutter(judge(surface, tolerance), most_vertices)

@@ -50,7 +50,7 @@ def of_mjcf(path):
     return parts
 
 
-def of_parts(path):
+def meshes_of_parts(path):
     """The meshes that are seen in an MJCF with one for each part and colour (`mesh.visual.merge=part`), those
     of one part together."""
     surfaces = {}

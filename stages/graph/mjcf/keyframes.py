@@ -19,9 +19,8 @@ def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) 
         taken_names.add(name)
         lost_names = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
         if lost_names:
-            text = (
-                f"the source's keyframe moves balls or free bodies, which is left out: {name_list(lost_names)}"
-            )
+            text = "the source's keyframe moves balls or free bodies, which is left out: "
+            text += name_list(lost_names)
             log.report("I-KEYFRAME", text, name, "a keyframe has values of turns and slides")
         keyframes.append(Keyframe(name, tuple((dofs[joint][1], value) for joint, value in keyframe.values)))
     return tuple(keyframes)

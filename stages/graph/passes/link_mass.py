@@ -18,7 +18,7 @@ from linkwright.stages.robot.dynamics.inertia import (
     tensor,
 )
 from linkwright.stages.robot.model.robot import Inertial, Link, Robot, frozen
-from linkwright.stages.robot.text.globs import yaml_key, name_list
+from linkwright.stages.robot.text.globs import name_list, yaml_key
 
 _CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
 _LARGER = "check the units of the document, or FASTEN the link to a larger one"

@@ -10,7 +10,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loop_groups import LoopGroups
 from linkwright.stages.robot.motion.loops import closing_values, relative_pose
 from linkwright.stages.robot.motion.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
-from linkwright.stages.robot.text.globs import yaml_key, matches_glob, name_list
+from linkwright.stages.robot.text.globs import matches_glob, name_list, yaml_key
 
 ROUNDING_TOLERANCE = 1e-3
 """Largest rounding [rad or m] of a typed value: its distance from a limit, from the value that a relation
@@ -147,10 +147,8 @@ def _check_saved(robot: Robot, values: Mapping[str, float], log: Diagnostics) ->
     saved_pose = saved(robot)
     names = [name for name, value in values.items() if not _is_equal(saved_pose[name], value)]
     if names:
-        text = (
-            f"the source's keyframe {SAVED} is left out: it moves {name_list(names)}, and {SAVED} is the pose "
-        )
-        text += "that the source starts in"
+        text = f"the source's keyframe {SAVED} is left out: it moves {name_list(names)}, "
+        text += f"and {SAVED} is the pose that the source starts in"
         log.report("I-KEYFRAME", text, SAVED, "call it otherwise in the source, or give it in `keyframes`")
 
 

@@ -1,5 +1,5 @@
-"""Makes colliders by contact, remembers them by everything they depend on, and reports pairs that stay
-false."""
+"""Makes colliders by contact, caches them by everything on which they depend, and reports pairs of links
+whose colliders still touch where the links do not."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import orjson
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.by_contact.links import Touchable
 from linkwright.stages.mesh.by_contact.request import ContactRequest, FalsePair
-from linkwright.stages.mesh.by_contact.robot import solved
+from linkwright.stages.mesh.by_contact.robot import solve
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.surfaces.pieces import Piece
 from linkwright.stages.robot import codec
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 ContactColliders = tuple[tuple[Collision, ...], tuple[FalsePair, ...]]
-"""Collider of each job, and the pairs of links that are still false."""
+"""The collider of each job, and the pairs of links whose colliders still touch falsely."""
 
 
 def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> ContactColliders:
@@ -46,7 +46,7 @@ def _make(request: ContactRequest, library: MeshLibrary) -> ContactColliders:
     jobs_of_link: dict[str, list[int]] = {link: [] for link in request.fixed}
     for number, job in enumerate(request.jobs):
         jobs_of_link.setdefault(job.link, []).append(number)
-    solids = [_finite(job, library) for job in request.jobs]
+    solids = [_finite_surfaces(job, library) for job in request.jobs]
     surfaces = [[surface for surface, _ in job_solids] for job_solids in solids]
     bodies, groups = list[Touchable](), dict[int, tuple[str, int]]()
     for link, numbers in sorted(jobs_of_link.items()):
@@ -60,7 +60,7 @@ def _make(request: ContactRequest, library: MeshLibrary) -> ContactColliders:
         )
         if body.groups or body.fixed:
             bodies.append(body)
-    solution = solved(request, bodies)
+    solution = solve(request, bodies)
     collisions = []
     for number, job in enumerate(request.jobs):
         faces = sum(len(surface.triangles) for surface in surfaces[number])
@@ -70,14 +70,16 @@ def _make(request: ContactRequest, library: MeshLibrary) -> ContactColliders:
     return tuple(collisions), solution.after
 
 
-def _finite(job: ColliderJob, library: MeshLibrary) -> list[tuple[Surface, Placed]]:
+def _finite_surfaces(job: ColliderJob, library: MeshLibrary) -> list[tuple[Surface, Placed]]:
     """Returns the finite surfaces of a job, in its link's frame, each with its part."""
-    solids = list[tuple[Surface, "Placed"]]()
-    for use, surface in zip(job.placed_meshes, job.surfaces(library), strict=True):
+    placed_surfaces = list[tuple[Surface, "Placed"]]()
+    for placed_mesh, surface in zip(job.placed_meshes, job.surfaces(library), strict=True):
         if len(surface.triangles) and bool(np.isfinite(surface.vertices[surface.triangles]).all()):
-            mirrored = np.linalg.det(use.link_from_part[:3, :3]) < 0
-            solids.append((surface, (None if mirrored else use.mesh, use.link_from_part)))
-    return solids
+            mirrored = np.linalg.det(placed_mesh.link_from_part[:3, :3]) < 0
+            placed_surfaces.append(
+                (surface, (None if mirrored else placed_mesh.mesh, placed_mesh.link_from_part))
+            )
+    return placed_surfaces
 
 
 def _collision(link: str, pieces: Sequence[Piece], faces: int, solution: Solution) -> Collision:
@@ -94,21 +96,23 @@ def _collision(link: str, pieces: Sequence[Piece], faces: int, solution: Solutio
 
 
 def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Iterator[str]:
-    """Yields the reasons in words for the number of a link's pieces."""
+    """Yields in words why a link has this number of pieces."""
     cut_for = [pair.beside(link) for pair in solution.before if pair.has(link)]
-    left = [pair.beside(link) for pair in solution.after if pair.has(link)]
+    still_false = [pair.beside(link) for pair in solution.after if pair.has(link)]
     if cut_for and pieces > 1:
         yield f"{count(pieces, 'piece')} against {name_list(cut_for)}"
-    elif not left:
+    elif not still_false:
+        # 0.5 %: `MAX_FALSE_SHARE`
         yield f"false in at most 0.5 % of {solution.poses} poses" if solution.poses else "nothing moves"
-    if left:
-        yield f"still false against {name_list(left)}"
+    if still_false:
+        yield f"still false against {name_list(still_false)}"
     if end is not None:
         yield f"meets the world: {1e3 * end.p95:.2g} mm out of the link, of {1e3 * end.tolerance:.2g} mm"
 
 
 def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
     """Yields W-FALSE-CONTACT for links of false pairs; each pair is reported once."""
+    # A pair is listed with a link that already has other pairs, so that few links are reported.
     by_link: dict[str, list[FalsePair]] = {}
     for pair in pairs:
         by_link.setdefault(

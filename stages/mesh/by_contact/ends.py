@@ -1,4 +1,4 @@
-"""Cuts the pieces of links that meet the world until the collider is within the link's tolerance."""
+"""Cuts the colliders of links that meet the world until they are within the link's tolerance."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from linkwright.stages.mesh.configuration.collider_settings import ContactSettin
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.chunk import Chunk, hull_of, hull_surface
 from linkwright.stages.mesh.cut.cutting import cut_by_plane, cut_costliest
-from linkwright.stages.mesh.cut.outside import Outside, Sampled, StandingOut
+from linkwright.stages.mesh.cut.outside import Protrusion, ReachableSurface, SampledPiece
 from linkwright.stages.robot.model.geometry import Measures
 
 MAX_PIECES = 12
 """Largest number of pieces of a link that meets the world."""
 
 _MEASURED_PLANES = 3, 6
-"""Numbers of planes that are compared by their pieces: if the best of three does not lead to the tolerance,
-the best of six may."""
+"""Numbers of planes for each cut that are compared by the pieces they make: first three, then six if three
+do not lead to the tolerance."""
 
-_PATIENCE, _MAX_LEFT_SHARE = 5, 0.95
+_PATIENCE, _MIN_VAIN_SHARE = 5, 0.95
 """Cutting ends after five cuts in a row that left more than 95 % of the protrusion before them."""
 
-_OUT_OF_REACH_TOLERANCES = 1.5
-"""Cutting ends early, and more planes are not tried, only if all states so far stand out by more than this
-many tolerances."""
+_MIN_HOPELESS_TOLERANCES = 1.5
+"""If all states so far stand out by more than this many tolerances, the tolerance counts as out of reach:
+cutting may end early, and more planes are not tried."""
 
 _MAX_RATIO_TO_BEST = 1.15
 """If no state is within the tolerance, the first state is used whose protrusion is at most this many times
 that of the best."""
 
 
-_State = tuple[StandingOut, list[Chunk]]
-"""How far some pieces stand out, and the pieces."""
+_State = tuple[Protrusion, list[Chunk]]
+"""How far the pieces of a collider stand out of the link, and the pieces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +47,7 @@ class End:
     tolerance: float
     """Tolerance of the link [m]."""
     p95: float
-    """Largest distance [m] of 95 % of the outer surface."""
+    """Distance [m] that 95 % of the outer surface does not exceed."""
     most: float
     """Largest distance [m] of all of the outer surface."""
     measures: Measures | None
@@ -59,12 +59,12 @@ class End:
         return self.p95 <= self.tolerance
 
 
-def fitted_end(
+def fit_end(
     surface: Surface, starts: Sequence[Sequence[Chunk]], settings: ContactSettings
 ) -> tuple[list[Chunk], End]:
     """Returns the pieces of a link that meets the world, and how near they are to the link."""
     tolerance = default_tolerance(surface.diagonal)
-    outside = Outside.of(surface, tolerance)
+    outside = ReachableSurface.of(surface, tolerance)
     out, chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
     judge = Judge.of(surface)
     measures = None
@@ -74,13 +74,13 @@ def fitted_end(
 
 
 def _fitted(
-    starts: Sequence[Sequence[Chunk]], outside: Outside, tolerance: float, max_vertices: int
+    starts: Sequence[Sequence[Chunk]], outside: ReachableSurface, tolerance: float, max_vertices: int
 ) -> _State:
     """Returns pieces that stand out of the link by at most `tolerance` [m] with 95 % of their outer surface,
     cut from the first of the `starts` that leads to such pieces; if no start does, the best pieces found."""
     best: _State | None = None
     for plane_count, start in product(_MEASURED_PLANES, starts):
-        if best and plane_count != _MEASURED_PLANES[0] and best[0].p95 > _OUT_OF_REACH_TOLERANCES * tolerance:
+        if best and plane_count != _MEASURED_PLANES[0] and best[0].p95 > _MIN_HOPELESS_TOLERANCES * tolerance:
             break
         state = _cut(start, outside, tolerance, max_vertices, plane_count)
         if best is None or state[0].p95 < best[0].p95:
@@ -92,12 +92,12 @@ def _fitted(
 
 
 def _cut(
-    chunks: Sequence[Chunk], outside: Outside, tolerance: float, max_vertices: int, plane_count: int
+    chunks: Sequence[Chunk], outside: ReachableSurface, tolerance: float, max_vertices: int, plane_count: int
 ) -> _State:
     """Cuts again and again the piece with the largest area outside the tolerance; returns the pieces, and how
     far they stand out."""
     states: list[_State] = []
-    sampled: dict[Chunk, Sampled] = {}
+    sampled: dict[Chunk, SampledPiece] = {}
     faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
 
     def halves(chunk: Chunk) -> list[Chunk]:
@@ -107,7 +107,7 @@ def _cut(
         for chunk in current:
             if chunk not in sampled:
                 sampled[chunk] = outside.sampled(chunk.piece)
-        out = outside.standing_out([sampled[chunk] for chunk in current])
+        out = outside.protrusion([sampled[chunk] for chunk in current])
         states.append((out, current))
         if (
             out.p95 <= tolerance
@@ -122,13 +122,13 @@ def _cut(
 
 def _stalls(p95s: Sequence[float], tolerance: float) -> bool:
     """Tells whether the tolerance is out of reach, and the last cuts did not help."""
-    if len(p95s) <= _PATIENCE or min(p95s) < _OUT_OF_REACH_TOLERANCES * tolerance:
+    if len(p95s) <= _PATIENCE or min(p95s) < _MIN_HOPELESS_TOLERANCES * tolerance:
         return False
-    return min(p95s[-_PATIENCE:]) > _MAX_LEFT_SHARE * min(p95s[:-_PATIENCE])
+    return min(p95s[-_PATIENCE:]) > _MIN_VAIN_SHARE * min(p95s[:-_PATIENCE])
 
 
 def _halves(
-    chunk: Chunk, faces: list[planes.Plane], outside: Outside, max_vertices: int, plane_count: int
+    chunk: Chunk, faces: list[planes.Plane], outside: ReachableSurface, max_vertices: int, plane_count: int
 ) -> list[Chunk]:
     """Cuts a piece in two that stand out as little as possible. Only the `plane_count` planes that leave the
     least volume are compared; the result is empty if no plane reduces the volume."""

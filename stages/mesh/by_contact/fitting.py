@@ -1,4 +1,5 @@
-"""Fits ends in parallel: in this process, and in a second one if there is a second processor."""
+"""Fits the pieces of links that meet the world: in this process, and in parallel in a second process if
+there is a second processor."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh.by_contact.ends import End, fitted_end
+from linkwright.stages.mesh.by_contact.ends import End, fit_end
 from linkwright.stages.mesh.collide.improvement import TASKS
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.chunk import Chunk
@@ -40,10 +41,11 @@ class EndToFit:
 
     def fitted(self) -> FittedEnd:
         """Fits the pieces, which takes seconds."""
-        return fitted_end(self.surface, self.starts, self.settings)
+        return fit_end(self.surface, self.starts, self.settings)
 
     def reply(self) -> bytes:
-        """Returns the reply of a guest: the pieces, those of the starts by their index, and the `End`."""
+        """Fits the pieces in a guest process; returns the pickled pieces and `End`. A piece of the starts is
+        replaced by its index, so that it keeps its identity in the asking process."""
         numbers = {
             chunk: number for number, chunk in enumerate(chunk for start in self.starts for chunk in start)
         }
@@ -95,7 +97,8 @@ class EndFitter:
 
 @contextmanager
 def end_fitter(workers: int | None = None) -> Iterator[EndFitter]:
-    """Provides a fitter with as many `workers` as there are processors, at most two, and ends its process."""
+    """Provides a fitter with one or two `workers` (default: the number of processors), and ends its second
+    process afterwards."""
     halt = threading.Event()
     has_second = (workers or process_usage.processors()) > 1
     guest = Guest(TASKS, _BOUNDS, ONE_THREAD, halt) if has_second else None

@@ -24,26 +24,26 @@ Placed = tuple[Hashable, Array]
 """A part, None for an unknown or mirrored one, and link_from_part (4, 4)."""
 
 _NO_PART: Placed = (None, np.eye(4))
-"""Stands for the parts of a hull around several parts."""
+"""Used instead of a part for a hull around several parts."""
 
 _EMPTY = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touchable:
-    """A link that others may touch."""
+    """A link with colliders."""
 
     link: str
     """Name of the link."""
     groups: tuple[tuple[Surface, ...], ...]
     """Surfaces from which each of the link's colliders by contact is made."""
     fixed: tuple[Piece, ...]
-    """Pieces that stay as they are."""
+    """Pieces of the link's other colliders, which stay as they are."""
     parts: tuple[tuple[Placed, ...], ...]
     """Part and pose of each surface of `groups`."""
 
     def surface(self) -> Surface:
-        """Returns all that others may touch of the link."""
+        """Returns all surfaces of the link that may touch another link, as one surface."""
         parts = [surface for group in self.groups for surface in group]
         return joined([*parts, *map(surface_of, self.fixed)])
 

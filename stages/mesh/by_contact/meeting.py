@@ -1,4 +1,4 @@
-"""Finds the links that meet the world, with which the robot grasps, stands and touches."""
+"""Finds the links that meet the world: those with which the robot grasps, stands and touches."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 _END_NAMES = re.compile(r"foot|tool|grasp|grip|tcp|tip|end_?effector|(^|_)ee($|_)", re.IGNORECASE)
 """Names of frames at which a robot meets the world."""
 
-_POINT_COUNT = 400
-"""Number of points of a link that are tested for lying in its parent's hull."""
+_MAX_POINTS = 400
+"""Number of points of a link, at most about twice this, that are tested for lying in its parent's hull."""
 
 _MIN_POSE_SHARE = 0.1
 _MIN_POINT_SHARE = 0.02
@@ -31,9 +31,9 @@ _MAX_HEIGHT_SHARE = 0.05
 
 
 def ends_of_chains(robot: Robot, solid: Collection[str]) -> list[str]:
-    """Returns the links with a collider (`solid`) that carry no other such link, or have a frame with a name
-    of an end. Links that turn without limits are left out, since they stay round, and so are links that close
-    a loop, since they hold another link."""
+    """Returns the links with a collider (`solid`) that carry no other such link, and those with a frame whose
+    name is in `_END_NAMES`. Of the former, links that turn without limits (wheels, which must stay round) and
+    links at a loop's closure (which hold another link) are left out."""
     carriers: set[str] = set()
     joint_of = {joint.child: joint for joint in robot.joints}
     for name in solid:
@@ -94,17 +94,21 @@ def _feet(robot: Robot, surfaces: Mapping[str, Surface], poses: Mapping[str, Arr
     if robot.base.fixed:
         return set()
     world_from_link = {link: robot.world_from_root @ poses[link][0] for link in surfaces}
-    heights = {
+    heights_of_link = {
         link: surface.vertices @ world_from_link[link][2, :3] + world_from_link[link][2, 3]
         for link, surface in surfaces.items()
     }
-    lowest = min(float(points.min()) for points in heights.values())
-    tall = max(float(points.max()) for points in heights.values()) - lowest
-    return {link for link, points in heights.items() if points.min() <= lowest + _MAX_HEIGHT_SHARE * tall}
+    lowest = min(float(link_heights.min()) for link_heights in heights_of_link.values())
+    height = max(float(link_heights.max()) for link_heights in heights_of_link.values()) - lowest
+    highest_ground = lowest + _MAX_HEIGHT_SHARE * height
+    return {link for link, link_heights in heights_of_link.items() if link_heights.min() <= highest_ground}
 
 
 def _fills(child: Surface, parent: Surface, hull: Surface, poses: Array, tolerance: float) -> bool:
-    points = child.vertices[:: max(1, len(child.vertices) // _POINT_COUNT)]
+    """Tells whether the parent's `hull` fills a hollow in which the child moves. `poses`: parent_from_child
+    (n, 4, 4); `tolerance`: smallest distance [m] of a point that counts as inside the hull and as away from
+    the parent's surface."""
+    points = child.vertices[:: max(1, len(child.vertices) // _MAX_POINTS)]
     normals, heights = half_spaces(hull)
     nearest = Nearest.of(BoxTree.of(parent))
     filled_poses = 0

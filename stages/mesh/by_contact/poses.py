@@ -1,4 +1,4 @@
-"""Finds the poses in which links are near each other, among the poses for which colliders are made."""
+"""Finds the pairs of links that come near each other, and the poses in which they do."""
 
 from __future__ import annotations
 
@@ -46,8 +46,12 @@ def near_pairs(
     codes = np.concatenate(codes_of_rows) if codes_of_rows else np.zeros(0, dtype=np.int64)
     order = np.lexsort((rows, codes))
     codes, rows = codes[order], rows[order]
-    bounds_of = [*np.flatnonzero(np.diff(codes, prepend=-1)).tolist(), len(codes)]
-    return [Near(int(codes[a]) // count, int(codes[a]) % count, rows[a:b]) for a, b in pairwise(bounds_of)]
+    # A pair of links is coded as first * count + second; equal codes are next to each other.
+    begins = [*np.flatnonzero(np.diff(codes, prepend=-1)).tolist(), len(codes)]
+    return [
+        Near(int(codes[begin]) // count, int(codes[begin]) % count, rows[begin:end])
+        for begin, end in pairwise(begins)
+    ]
 
 
 def relative(first: Array, second: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Defines the request for colliders by contact, and the pairs of links that stay false."""
+"""Defines the request for colliders by contact, and the pairs of links whose colliders touch falsely."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.collide.make import ColliderJob
 
 POSES = 512
-"""Number of seeded poses for which colliders are made: with fewer, harmless pairs look bad (with 64 poses, 5
-to 9 % of the pairs)."""
+"""Number of seeded poses for which colliders are made. With fewer, pairs that rarely touch falsely seem to do
+so often: with 64 poses, 5 to 9 % of the pairs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,11 +63,11 @@ class FalsePair:
     one: str
     other: str
     share: float
-    """Share of the poses in which they do."""
+    """Share of the poses in which the colliders touch falsely."""
     home: bool
-    """Whether they do at `home`."""
+    """Whether the colliders touch falsely at `home`."""
     depth: float
-    """Largest depth beyond the allowed depth [m]."""
+    """Largest overlap beyond the allowed overlap [m]."""
 
     def has(self, link: str) -> bool:
         """Tells whether the link is one of the two."""

@@ -75,14 +75,14 @@ class Solution:
     """Number of poses, without `home`."""
 
 
-def solved(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
+def solve(request: ContactRequest, bodies: Sequence[Touchable]) -> Solution:
     """Makes the pieces of the bodies, which are sorted by link."""
     triangles = sum(len(surface.triangles) for body in bodies for group in body.groups for surface in group)
     with end_fitter(1 if triangles < MIN_TRIANGLES_FOR_PROCESS else None) as fitter:
-        return _solved(request, bodies, fitter)
+        return _solve(request, bodies, fitter)
 
 
-def _solved(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFitter) -> Solution:
+def _solve(request: ContactRequest, bodies: Sequence[Touchable], fitter: EndFitter) -> Solution:
     settings = request.jobs[0].choice.settings
     assert isinstance(settings, ContactSettings)
     surfaces = [body.surface() for body in bodies]

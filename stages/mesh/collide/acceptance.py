@@ -9,7 +9,7 @@ from linkwright.stages.formats.meshes.surface import Surface, joined
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.fit.score import MAX_PROTRUSION_TOLERANCES
-from linkwright.stages.mesh.measure import QUICK_SAMPLE_COUNT, Measures, Target, hopeless, measure, near
+from linkwright.stages.mesh.measure import QUICK_SAMPLE_COUNT, Measures, Target, is_hopeless, is_near, measure
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.pieces import Piece
 
@@ -46,24 +46,24 @@ class Judge:
         allowed = extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
         return Judge(solid, target, tolerance, allowed)
 
-    def hopeless(
+    def is_hopeless(
         self, pieces: Sequence[Piece], tolerances: float = 1.0, points: int = QUICK_SAMPLE_COUNT
     ) -> bool:
         """Tells whether a sample of `points` already shows that the pieces are off by more than this number
         of `tolerances`."""
-        return hopeless(self.target, pieces, tolerances * self.tolerance, points)
+        return is_hopeless(self.target, pieces, tolerances * self.tolerance, points)
 
     def measure(self, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None) -> Measures:
         return measure(self.target, pieces, protrusion)
 
-    def near(self, pieces: Sequence[Piece]) -> bool:
+    def is_near(self, pieces: Sequence[Piece]) -> bool:
         """Tells whether pieces are near enough."""
-        return near(self.target, pieces, self.tolerance, MAX_PROTRUSION_TOLERANCES * self.tolerance)
+        return is_near(self.target, pieces, self.tolerance, MAX_PROTRUSION_TOLERANCES * self.tolerance)
 
     def collision(
         self, pieces: Sequence[Piece], measures: Measures, rung: str, meets: bool = True
     ) -> Collision:
-        """Returns the collider of pieces that were judged."""
+        """Returns the collider that consists of these pieces, with their measures."""
         faces = len(self.surface.triangles)
         return Collision(tuple(pieces), faces, measures, rung, self.tolerance, meets)
 
@@ -74,7 +74,8 @@ class Judge:
 
 
 def with_measures(collision: Collision, surfaces: Sequence[Surface], tolerance: float | None) -> Collision:
-    """Adds measures to a collider that was made without."""
+    """Returns the collider with measures against its part. `surfaces`: surfaces of the part; `tolerance` [m]:
+    None for the default. A flat part cannot be measured: the collider stays as it is."""
     judge = Judge.of(joined(surfaces), tolerance)
     if isinstance(judge, str) or not collision.pieces:
         return collision

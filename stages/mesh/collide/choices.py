@@ -1,4 +1,4 @@
-"""Chooses the maker of each part's collider, by `mesh.collider` or by a glob in `mesh.colliders`."""
+"""Defines the choices of collider makers that `mesh.collider` and the globs in `mesh.colliders` make."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Choice:
     maker: str
     """Name of the maker."""
     how: Maker
-    """How the maker works."""
+    """Description of the maker: for parts or links, its settings' type, its steps."""
     settings: ColliderSettings
     entry: int = -1
     """Index of the glob in `mesh.colliders` that chose the maker; -1 for `mesh.collider`."""
     apart: bool = False
-    """Whether the glob names the part and not its link, so that the part has its own collider."""
+    """Whether the part has a collider of its own, since the glob names the part and not its link."""
 
     @staticmethod
     def of(maker: str, values: Mapping[str, Any], entry: int = -1) -> Choice:
@@ -47,10 +47,10 @@ class Choice:
 
 def default_choice(section: MeshSection, limits: ShapeLimits) -> Choice:
     """Returns the choice of `mesh.collider`, within the limits of the targets."""
-    return Choice.of(section.collider, _within(limits, dict(section)))
+    return Choice.of(section.collider, _with_limits(limits, dict(section)))
 
 
-def chosen_by(section: MeshSection, limits: ShapeLimits) -> dict[str, Choice]:
+def choices_by_glob(section: MeshSection, limits: ShapeLimits) -> dict[str, Choice]:
     """Returns the choice of each glob in `mesh.colliders`, within the limits of the targets."""
     return {
         glob: _choice(section, keys, limits, number)
@@ -58,13 +58,13 @@ def chosen_by(section: MeshSection, limits: ShapeLimits) -> dict[str, Choice]:
     }
 
 
-def _within(limits: ShapeLimits, values: dict[str, Any]) -> dict[str, Any]:
+def _with_limits(limits: ShapeLimits, values: dict[str, Any]) -> dict[str, Any]:
     return {**values, "limits": limits, "max_vertices": limits.vertices(values["max_vertices"])}
 
 
 def _choice(section: MeshSection, keys: ColliderSection, limits: ShapeLimits, number: int) -> Choice:
     overrides = {name: value for name, value in keys if name in _OVERRIDING_KEYS and value is not None}
-    values = _within(limits, {**dict(section), **overrides, "coacd": {**section.coacd, **keys.coacd}})
+    values = _with_limits(limits, {**dict(section), **overrides, "coacd": {**section.coacd, **keys.coacd}})
     primitive = keys.primitive()
     if primitive is not None:
         kind, size = primitive

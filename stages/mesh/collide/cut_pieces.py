@@ -160,9 +160,9 @@ class PieceCutter:
         return best
 
     def _are_near(self, pieces: Sequence[Piece]) -> bool:
-        if not pieces or self._judge.hopeless(pieces, points=_QUICK_TEST_POINT_COUNT):
+        if not pieces or self._judge.is_hopeless(pieces, points=_QUICK_TEST_POINT_COUNT):
             return False
-        return self._judge.near(pieces)
+        return self._judge.is_near(pieces)
 
     def _miss(self, cut: Cut) -> float:
         return miss(self._judge.measure(cut.pieces), self._judge.tolerance)

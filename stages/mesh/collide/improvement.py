@@ -32,10 +32,10 @@ class Improvement:
     surfaces: Sequence[Surface]
     settings: ColliderSettings
     first_collider: Collision
-    """The collider of the first step."""
+    """The collider that the maker's first step made."""
 
     def reply(self) -> bytes:
-        """Makes the improved collider, and returns it as bytes."""
+        """Makes the improved collider, in the guest process, and returns it as bytes."""
         return collision.encode(MAKERS[self.maker].improve(self.surfaces, self.settings, self.first_collider))
 
 

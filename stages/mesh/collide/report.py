@@ -14,28 +14,28 @@ from linkwright.stages.robot.text.globs import exact_glob, without_number
 from linkwright.stages.robot.text.plural import count
 
 
-def figures_of(collided: MadeCollider, names: Sequence[str]) -> ColliderFigures:
+def figures_of(made: MadeCollider, names: Sequence[str]) -> ColliderFigures:
     """Returns the figures of a collider; `names`: names of the parts that share it."""
-    collision = collided.collision
+    collision = made.collision
     return ColliderFigures(
-        collided.job.link,
+        made.job.link,
         tuple(names),
-        collided.job.choice.maker,
+        made.job.choice.maker,
         collision.rung,
         len(collision.pieces),
         sum(map(vertices, collision.pieces)),
         collision.meets,
         collision.tolerance,
         collision.measures,
-        _times_off(collision),
+        _miss_in_tolerances(collision),
         collision.note,
         collision.failed,
-        collided.job.identity(),
+        made.job.identity(),
         collision.reason,
     )
 
 
-def _times_off(collision: Collision) -> float | None:
+def _miss_in_tolerances(collision: Collision) -> float | None:
     """Returns by how many tolerances a collider is off; for a collider by contact, by 95 % of its surface."""
     if collision.measures is None or collision.tolerance is None:
         return None
@@ -46,18 +46,19 @@ def _times_off(collision: Collision) -> float | None:
     )
 
 
-def colliders_reported(outcomes: Sequence[MadeCollider]) -> list[Diagnostic]:
-    """Reports W-COLLIDER for colliders that miss their tolerance, W-FLAT for links without one, and I-RAW."""
+def collider_reports(outcomes: Sequence[MadeCollider]) -> list[Diagnostic]:
+    """Reports W-FLAT for links that are flat, W-COLLIDER for colliders that miss their tolerance, and I-RAW
+    for meshes that serve as colliders."""
     return [*_flat(outcomes), *_tolerance_misses(outcomes), *_raw(outcomes)]
 
 
 def _flat(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
-    of_links: dict[str, list[MadeCollider]] = {}
+    colliders_of_link: dict[str, list[MadeCollider]] = {}
     for collided in outcomes:
         if collided.job.choice.maker != "visual":
-            of_links.setdefault(collided.job.link, []).append(collided)
-    for link, flat_candidates in of_links.items():
-        if not any(collided.collision.pieces for collided in flat_candidates):
+            colliders_of_link.setdefault(collided.job.link, []).append(collided)
+    for link, made_colliders in colliders_of_link.items():
+        if not any(collided.collision.pieces for collided in made_colliders):
             text = "the link is flat, so it has no convex hull and no collider"
             yield Diagnostic("W-FLAT", text, link, "give it thickness in CAD")
 
@@ -107,7 +108,7 @@ def _how_far(collided: MadeCollider) -> str:
 
 
 def _met_tolerance(collided: MadeCollider) -> float:
-    """Returns a tolerance [m] that the collider meets."""
+    """Returns a tolerance [m] that the collider meets, 5 % more than it misses by."""
     collision = collided.collision
     if collision.measures is None or collision.tolerance is None:
         return 0.001

@@ -1,4 +1,4 @@
-"""Reports how the limits of targets change colliders and meshes."""
+"""Reports how the limits of the engines in `target` change colliders and meshes."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection
 
 ColliderWithParts = tuple[MadeCollider, Sequence[Part]]
-"""A collider with its parts."""
+"""A collider, and the parts for which it was made."""
 
 
 def reshaped(
@@ -35,21 +35,25 @@ def reshaped(
 ) -> Iterator[Diagnostic]:
     """Yields I-TARGET for everything that targets change in colliders and meshes. `makers`: the choices of
     collider makers; `shapes`: all shapes of the robot (a mesh with a texture is an OBJ in any case)."""
-    yield from _cylinders(links, [collided for collided, _ in colliders], targets)
-    yield from _ellipsoids(colliders, targets)
+    yield from _cylinder_replacements(links, [collided for collided, _ in colliders], targets)
+    yield from _ellipsoid_replacements(colliders, targets)
     limits = shape_limits(targets)
-    smaller = targets_where(targets, lambda shapes: shapes.hull is not None)
+    capping_targets = targets_where(targets, lambda shapes: shapes.hull is not None)
     if limits.hull is not None:
         raw = sum(isinstance(collided.job.choice.settings, RawSettings) for collided, _ in colliders)
         if raw:
             number = count(raw, "collider that is a mesh as it is", "colliders that are meshes as they are")
-            yield replacement_diagnostic(f"{number} → hulls of at most {limits.hull} vertices", smaller)
-        capped = _capped(makers, section, limits.hull)
+            yield replacement_diagnostic(
+                f"{number} → hulls of at most {limits.hull} vertices", capping_targets
+            )
+        capped = _vertex_counts_above(makers, section, limits.hull)
         if capped:
             text = ", ".join(
                 f"{key} ({chosen_count} → {limits.hull})" for key, chosen_count in capped.items()
             )
-            yield replacement_diagnostic(f"hulls and convex pieces have fewer vertices: {text}", smaller)
+            yield replacement_diagnostic(
+                f"hulls and convex pieces have fewer vertices: {text}", capping_targets
+            )
     stl = [shape for shape in shapes if shape.file is not None and shape.texture is None]
     if limits.obj and section.format != "obj" and section.assets == "files" and stl:
         number = count(len({shape.file for shape in stl}), "mesh", "meshes")
@@ -58,10 +62,10 @@ def reshaped(
         )
 
 
-def _cylinders(
+def _cylinder_replacements(
     links: Sequence[Link], outcomes: Sequence[MadeCollider], targets: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    for_prisms = targets_where(targets, lambda shapes: "cylinder" in shapes.without)
+    without_cylinders = targets_where(targets, lambda shapes: "cylinder" in shapes.without)
     kinds = [shape.kind for link in links for shape in link.shapes if shape.collision]
     kinds += [
         piece.kind
@@ -69,17 +73,19 @@ def _cylinders(
         for piece in collided.collision.pieces
         if isinstance(piece, Primitive)
     ]
-    if for_prisms and "cylinder" in kinds:
+    if without_cylinders and "cylinder" in kinds:
         number = count(kinds.count("cylinder"), "collider that is a cylinder", "colliders that are cylinders")
         text = (
             f"prisms of {primitives.PRISM_SIDES} sides and the same volume, whose corners stand out by "
             f"{100 * (primitives.PRISM_GROWTH - 1):.1f} % of the radius"
         )
-        yield replacement_diagnostic(f"{number} → {text}", for_prisms)
+        yield replacement_diagnostic(f"{number} → {text}", without_cylinders)
 
 
-def _ellipsoids(colliders: Sequence[ColliderWithParts], targets: Sequence[str]) -> Iterator[Diagnostic]:
-    for_hulls = targets_where(targets, lambda shapes: "ellipsoid" in shapes.without)
+def _ellipsoid_replacements(
+    colliders: Sequence[ColliderWithParts], targets: Sequence[str]
+) -> Iterator[Diagnostic]:
+    without_ellipsoids = targets_where(targets, lambda shapes: "ellipsoid" in shapes.without)
     errors = [
         ellipsoid_error(moved(piece, collided.job.link_from_subject), parts[0])
         for collided, parts in colliders
@@ -87,10 +93,10 @@ def _ellipsoids(colliders: Sequence[ColliderWithParts], targets: Sequence[str]) 
         for piece in collided.collision.pieces
         if isinstance(piece, Surface)
     ]
-    if for_hulls and errors:
+    if without_ellipsoids and errors:
         number = count(len(errors), "collider that is an ellipsoid", "colliders that are ellipsoids")
         text = f"hulls, whose surface is off by at most {100 * max(errors):.1f} % of the radius"
-        yield replacement_diagnostic(f"{number} → {text}", for_hulls)
+        yield replacement_diagnostic(f"{number} → {text}", without_ellipsoids)
 
 
 def ellipsoid_error(hull: Surface, part: Part) -> float:
@@ -105,7 +111,7 @@ def ellipsoid_error(hull: Surface, part: Part) -> float:
     return float(max(np.linalg.norm(ball.vertices, axis=1).max() - 1, 1 - heights.min()))
 
 
-def _capped(makers: Collection[Choice], section: "MeshSection", limit: int) -> Mapping[str, int]:
+def _vertex_counts_above(makers: Collection[Choice], section: "MeshSection", limit: int) -> Mapping[str, int]:
     """Returns, by key, the configured numbers of vertices that exceed a target's limit `limit`."""
     if not any(hasattr(maker.settings, "max_vertices") for maker in makers):
         return {}

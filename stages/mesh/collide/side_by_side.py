@@ -22,7 +22,7 @@ _PROGRESS_INTERVAL = 0.2  # s
 
 @dataclass(frozen=True, slots=True)
 class Making(Generic[Made]):
-    """A piece of work for a guest process."""
+    """A task for a guest process."""
 
     name: str
     """Name that the user sees."""
@@ -40,24 +40,27 @@ def side_by_side(
     another error, all guests end at once.
     """
     halt = threading.Event()
-    idle = [helper(halt) for _ in range(max(1, workers or process_usage.processors()))]
+    idle_guests = [helper(halt) for _ in range(max(1, workers or process_usage.processors()))]
     running: dict[int, str] = {}
 
     def result(number: int, making: Making[Made]) -> Made | DecompositionFailed:
         running[number] = making.name
-        # The guest that was used last, since it is already running.
-        guest = idle.pop()
+        # Takes the guest that was used last, since its process is already running.
+        guest = idle_guests.pop()
         try:
             return making.make(guest)
         except DecompositionFailed as failed:
             return failed
         finally:
-            idle.append(guest)
+            idle_guests.append(guest)
             del running[number]
 
-    with ExitStack() as closed, ThreadPoolExecutor(len(idle), thread_name_prefix="improve") as pool:
-        for guest in idle:
-            closed.enter_context(closing(guest))
+    with (
+        ExitStack() as guests_to_close,
+        ThreadPoolExecutor(len(idle_guests), thread_name_prefix="improve") as pool,
+    ):
+        for guest in idle_guests:
+            guests_to_close.enter_context(closing(guest))
         futures: list[Future[Made | DecompositionFailed]] = []
         try:
             futures += (pool.submit(result, *numbered) for numbered in enumerate(makings))

@@ -11,11 +11,12 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings, HullSettings
-from linkwright.stages.mesh.decompose import NOT_CLOSED, decomposed, search
+from linkwright.stages.mesh.decompose import NOT_CLOSED, convex_pieces, search
 
 
 def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
-    """Makes the convex hull, which is kept if CoACD fails; no pieces for a flat part."""
+    """Makes the convex hull, which stays the collider if CoACD fails later; no pieces for a flat part. A hull
+    is marked as not near enough, so that `improve` follows."""
     hull_collider = hull.make(surfaces, HullSettings(settings.max_vertices))
     return replace(hull_collider, meets=not hull_collider.pieces)
 
@@ -25,7 +26,7 @@ def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider:
     judge = Judge.of(joined(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return hull_collider.with_note(judge)
-    decomposition = decomposed(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
+    decomposition = convex_pieces(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
     if decomposition == NOT_CLOSED:
         pieces, note = cutter.cut().pieces, f"{NOT_CLOSED}: cut by planes"

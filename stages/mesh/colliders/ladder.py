@@ -33,19 +33,19 @@ _MAX_PIECE_FIT_ERROR = 0.75
 """Largest error, in tolerances, of primitives that may replace a piece."""
 
 _CHEAP_KINDS: tuple[PrimitiveKind, ...] = ("sphere", "capsule", "box")
-"""All kinds but the cylinder, which costs an engine as much as a hull."""
+"""Kinds of primitives that may replace a piece. A cylinder costs an engine as much as a hull."""
 
 _MAX_TRIES = 6  # each with half as many primitives as the one before
 
 
 def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
-    """Makes the cheapest primitive that is near enough, else the convex hull, even if that is not."""
+    """Makes the cheapest primitive that is near enough, else the convex hull, near enough or not."""
     judge = Judge.of(joined(surfaces), settings.tolerance, settings.extra_volume)
     if isinstance(judge, str):
-        whole = hull.make(surfaces, HullSettings(settings.max_vertices))
-        return replace(whole, meets=not whole.pieces, note=judge)
-    for rung, piece in _wholes(judge, settings):
-        if judge.hopeless([piece]) and rung != "hull":
+        hull_collider = hull.make(surfaces, HullSettings(settings.max_vertices))
+        return replace(hull_collider, meets=not hull_collider.pieces, note=judge)
+    for rung, piece in _single_pieces(judge, settings):
+        if judge.is_hopeless([piece]) and rung != "hull":
             continue
         measures = judge.measure([piece])
         meets = judge.whole_meets(measures)
@@ -54,13 +54,13 @@ def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
     return Collision(note="the part is flat")
 
 
-def _wholes(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str, Piece]]:
+def _single_pieces(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str, Piece]]:
     """Yields the primitives that are worth a measurement, the cheapest first, then the hull."""
     whole = convex_hull(judge.surface.vertices)
     if whole is None:
         return
     # A primitive that covers the part up to a tolerance stands out nearly as far as the hull.
-    if not judge.hopeless([whole], _MAX_HULL_MISS):
+    if not judge.is_hopeless([whole], _MAX_HULL_MISS):
         for fitted in fits(judge.surface, allowed_kinds(settings.limits), _MAX_FIT_ERROR * judge.tolerance):
             yield fitted.primitive.kind, fitted.primitive
     capped = capped_hull(judge.surface, settings.max_vertices)
@@ -75,22 +75,22 @@ def improve(surfaces: Sequence[Surface], settings: LadderSettings, first_collide
     if isinstance(judge, str) or first_collider.measures is None:
         return first_collider
     cut = PieceCutter(judge, settings.max_vertices, settings.effort).cut()
-    return _of_pieces(judge, cut, first_collider) if cut.pieces else first_collider
+    return _collider_of_pieces(judge, cut, first_collider) if cut.pieces else first_collider
 
 
-def _of_pieces(judge: Judge, cut: Cut, hull: Collision) -> Collision:
+def _collider_of_pieces(judge: Judge, cut: Cut, whole_hull: Collision) -> Collision:
     """Returns the collider of cut pieces, some of them replaced by primitives. Pieces that miss the tolerance
-    are used only if they are so much nearer than the `hull` that they are worth their cost in a simulation;
-    otherwise returns the hull, with a note on how near the pieces would be."""
+    are used only if they are so much nearer than the `whole_hull` that they are worth their cost in a
+    simulation; otherwise returns the hull, with a note on how near the pieces would be."""
     pieces = _with_primitives(judge, [*map(surface_of, cut.pieces)]) if cut.is_near else cut.pieces
     measures = judge.measure(pieces)
     misses = miss(measures, judge.tolerance)
-    if misses <= 1 or hull.measures is None:
+    if misses <= 1 or whole_hull.measures is None:
         return judge.collision(pieces, measures, "pieces", misses <= 1)
-    gain = miss(hull.measures, judge.tolerance) / misses
+    gain = miss(whole_hull.measures, judge.tolerance) / misses
     if gain >= _MIN_GAIN_OF_PIECES:
         return judge.collision(pieces, measures, "pieces", meets=False)
-    return hull.with_note(f"{len(cut.pieces)} convex pieces are {gain:.2g} times as near")
+    return whole_hull.with_note(f"{len(cut.pieces)} convex pieces are {gain:.2g} times as near")
 
 
 def _with_primitives(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...]:
@@ -100,7 +100,7 @@ def _with_primitives(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...
     half of them is tried, and so on.
     """
     cheapest = (
-        next(fits(hull, _CHEAP_KINDS, _MAX_PIECE_FIT_ERROR * judge.tolerance), None) for hull in hulls
+        next(fits(surface, _CHEAP_KINDS, _MAX_PIECE_FIT_ERROR * judge.tolerance), None) for surface in hulls
     )
     fitted = {index: fit for index, fit in enumerate(cheapest) if fit}
     ranked = sorted(fitted, key=lambda index: (fitted[index].error, index))
@@ -110,14 +110,14 @@ def _with_primitives(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...
         pieces: list[Piece] = list(hulls)
         for index in ranked:
             pieces[index] = fitted[index].primitive
-        if not judge.hopeless(pieces) and judge.near(pieces):
+        if not judge.is_hopeless(pieces) and judge.is_near(pieces):
             return tuple(pieces)
         ranked = ranked[: len(ranked) // 2]
     return tuple(hulls)
 
 
 def together(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
-    """Makes one primitive or hull for several parts if it is as near as each of them asks; else no pieces."""
+    """Makes one primitive or hull for several parts if it is within the tolerance of each; else no pieces."""
     tolerance = min(map(settings.tolerance_of, surfaces))
     combined = joined(surfaces)
     whole = convex_hull(combined.vertices)

@@ -10,9 +10,8 @@ from linkwright.stages.mesh.configuration.collider_settings import HullSettings,
 
 
 def make(surfaces: Sequence[Surface], settings: RawSettings) -> Collision:
-    """Returns the mesh without its texture; it later becomes several files if it has too many triangles for
-    one. If a target limits the vertices of hulls, returns the hull instead, which the target would use in any
-    case."""
+    """Returns the mesh without its texture. If a target limits the vertices of hulls, returns the hull
+    instead, which the target would use in any case."""
     if settings.limits.hull is not None:
         return hull.make(surfaces, HullSettings(settings.limits.hull))
     plain = tuple(replace(surface, texcoords=None) for surface in surfaces)

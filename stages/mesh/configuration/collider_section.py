@@ -63,8 +63,8 @@ class BoxSizeSection(Section):
 
 
 class ColliderSection(Section):
-    """How colliders are made: exactly one of make, sphere, box, cylinder and capsule. May be given as the
-    name of a way to make them alone."""
+    """How colliders are made: exactly one of make, sphere, box, cylinder and capsule. A plain name means
+    `make: <name>`."""
 
     make: Annotated[MakerName | None, example("coacd")] = None
     """One of the options of mesh.collider; none: no collider; box, sphere, capsule or cylinder: the

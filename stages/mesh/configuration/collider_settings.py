@@ -1,4 +1,4 @@
-"""Collects the settings that each maker of colliders reads, and on which its colliders depend."""
+"""Defines the settings that each maker of colliders reads: all on which its colliders depend."""
 
 from __future__ import annotations
 
@@ -65,7 +65,8 @@ class SphereSettings(ColliderSettings):
     tolerance: float | None = None
 
     def tolerance_of(self, surface: Surface) -> float:
-        """Returns the largest distance [m] of a collider from a part with this surface."""
+        """Returns the tolerance [m] of a part's collider: the configured one, else the default for this
+        surface."""
         return default_tolerance(surface.diagonal) if self.tolerance is None else self.tolerance
 
 

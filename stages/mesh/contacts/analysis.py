@@ -73,13 +73,13 @@ def self_contacts(
         return Contacts(False)
     colliders = [shape for shape in shapes if shape.role == "collision"]
     by_source = keys.self_ == "auto" and robot.mjcf is not None
-    search = keys.self_ == "auto" and not by_source
+    searches = keys.self_ == "auto" and not by_source
     source_pairs = source_excludes(robot, colliders) if by_source else []
     if source_pairs is None:
         return Contacts(False, by_source=True)
     solid = {shape.link for shape in colliders}
-    disabled = [(pair.link_a, pair.link_b) for pair in robot.semantics.disabled if pair.touches and search]
-    adjacent = adjacent_pairs(robot, solid) if search or (by_source and not declared) else ()
+    disabled = [(pair.link_a, pair.link_b) for pair in robot.semantics.disabled if pair.touches and searches]
+    adjacent = adjacent_pairs(robot, solid) if searches or (by_source and not declared) else ()
     whole_pairs = [_pair_of(exclude) for exclude in source_pairs if not exclude.geoms]
     reasons: dict[Pair, ExcludeReason] = {
         **dict.fromkeys((*whole_pairs, *(pair for pair in disabled if solid.issuperset(pair))), "Source"),
@@ -91,13 +91,13 @@ def self_contacts(
     ]
 
     def make() -> bytes:
-        return orjson.dumps(_analysed(robot, colliders, files, reasons, search))
+        return orjson.dumps(_analysed(robot, colliders, files, reasons, searches))
 
     key = {
-        "colliders": [_content(shape, files) for shape in colliders],
+        "colliders": [_key_of_shape(shape, files) for shape in colliders],
         "motion": motion_digest(robot),
         "given": sorted([*pair, reason] for pair, reason in reasons.items()),
-        "search": search,
+        "search": searches,
         "poses": POSES,
         "mujoco": importlib.metadata.version("mujoco"),
     }
@@ -110,7 +110,7 @@ def self_contacts(
     excludes += [Exclude(*pair, reason, depth_of.get(pair, 0.0)) for pair, reason in reasons.items()]
     excludes.sort(key=lambda exclude: (position[exclude.link_a], position[exclude.link_b]))
     named_excludes = [(exclude, excluded_colliders(exclude, shapes, figures)) for exclude in always]
-    problems = findings(named_excludes, touching if search else (), POSES)
+    problems = contact_reports(named_excludes, touching if searches else (), POSES)
     return Contacts(True, tuple(excludes), touching, tuple(problems), by_source)
 
 
@@ -123,11 +123,12 @@ def _analysed(
     shapes: Sequence[Shape],
     files: Mapping[str, bytes],
     reasons: Mapping[Pair, ExcludeReason],
-    search: bool,
+    searches: bool,
 ) -> dict[str, Any]:
     """Returns the contacts as plain data. `held`: the pairs with `reasons` that touch at `home`, with the
-    depth [m]; `always`: the excludes of other pairs that also touch in every sampled pose; `free`: the
-    remaining pairs that touch at `home`. Without `search`, only the pairs with `reasons` are excluded."""
+    depth [m]; `always`: the excludes of other pairs that touch at `home` and in every sampled pose; `free`:
+    the remaining pairs that touch at `home`. `searches`: whether `always` is searched, else it is
+    empty."""
     # Late: contacts from the cache need no MuJoCo.
     from linkwright.stages.mesh.contacts.colliders import Colliders
 
@@ -140,8 +141,8 @@ def _analysed(
     depths = colliders.depths(colliders.meeting(order))
     free = {pair: depth for pair, depth in depths.items() if pair not in reasons}
     always: list[Exclude] = []
-    if search:
-        for pair, masked in _always(robot, shapes, colliders, free, start):
+    if searches:
+        for pair, masked in _touching_always(robot, shapes, colliders, free, start):
             geoms = () if masked.all() else tuple((int(a), int(b)) for a, b in np.argwhere(masked))
             always.append(Exclude(*pair, "Always", _deepest(free[pair][masked]), geoms))
             free[pair] = np.where(masked, -np.inf, free[pair])
@@ -159,7 +160,7 @@ def _deepest(depths: Array) -> float:
     return round(float(depths.max(initial=0.0)), 6)
 
 
-def _always(
+def _touching_always(
     robot: Robot,
     shapes: Sequence[Shape],
     colliders: "Colliders",
@@ -189,7 +190,7 @@ def _always(
                 yield pair, excluded_shape_pairs(np.stack(touching), labels[pair[0]], labels[pair[1]])
 
 
-def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
+def _key_of_shape(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     """Returns a collider as plain data, without the name of its file."""
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
@@ -199,18 +200,18 @@ def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
 _WHERE = "contact"
 
 
-def findings(
+def contact_reports(
     always: Sequence[tuple[Exclude, tuple[Names, Names] | None]], free: Sequence[Touch], poses: int
 ) -> Iterator[Diagnostic]:
     """Yields I-ALWAYS-CONTACT with the pairs that touch in each of the `poses`, and the names of the
     colliders that are left out if these are not all; and W-SELF-CONTACT with the pairs that touch at `home`,
     but not in every pose. Each pair is listed with its depth at `home`."""
     if always:
-        pairs = "; ".join(_pair(exclude) + _left_out_names(names) for exclude, names in always)
+        pairs = "; ".join(_described_pair(exclude) + _left_out_names(names) for exclude, names in always)
         text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {pairs}"
         yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
     if free:
-        text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_pair, free))}"
+        text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_described_pair, free))}"
         lines = ", ".join(f"[{yaml_key(touch.link_a)}, {yaml_key(touch.link_b)}]" for touch in free)
         hint = (
             f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; "
@@ -223,7 +224,7 @@ def _pairs(number: int) -> str:
     return f"{count(number, 'pair')} of links {'touches' if number == 1 else 'touch'}"
 
 
-def _pair(pair: Exclude | Touch) -> str:
+def _described_pair(pair: Exclude | Touch) -> str:
     """Returns the names of a pair, with its depth in mm."""
     return f"{pair.link_a} and {pair.link_b} ({1e3 * pair.depth:.2f} mm deep)"
 

@@ -1,5 +1,5 @@
-"""Finds the shapes that do not collide in an MJCF source: by the bits of its geoms, its excludes and pairs,
-and by MuJoCo's own rules."""
+"""Finds the colliders that do not collide in an MJCF source: by the bits of its geoms, by its excludes and
+pairs, and by MuJoCo's rule for a body and its parent."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -14,7 +14,7 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.adjacency import Pair
 
 Grid = npt.NDArray[np.bool_]
-"""Tells whether each shape of a link collides with each shape of another (n, m)."""
+"""Whether each collider of a link collides with each collider of another link (n, m)."""
 
 Bits = tuple[tuple[int, int], ...]
 """`contype` and `conaffinity` of the colliders of a link."""
@@ -30,8 +30,8 @@ def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | No
     bits = {link: tuple(map(_bits, colliders[link])) for link in links}
     grid_of: dict[tuple[Bits, Bits], Grid] = {}
     paired = _pairs(robot, colliders)
-    excluded_links = excluded(robot)
-    left_out = LeftOut(robot, _leaves_out_parents(robot))
+    excluded_links = excluded_by_source(robot)
+    left_out_by_rule = LeftOut(robot, _leaves_out_parents(robot))
     any_collides = False
     excludes = []
     for first, second in combinations(links, 2):
@@ -39,7 +39,7 @@ def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | No
         if bit_pair not in grid_of:
             grid_of[bit_pair] = _collision_grid(*bit_pair)
         colliding = grid_of[bit_pair].copy()
-        if left_out.contains(first, second) or frozenset((first, second)) in excluded_links:
+        if left_out_by_rule.contains(first, second) or frozenset((first, second)) in excluded_links:
             colliding[:] = False
         for a, b in paired.get((first, second), ()):
             colliding[a, b] = True
@@ -52,8 +52,9 @@ def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | No
 
 def _bits(shape: Shape) -> tuple[int, int]:
     contact = shape.form.contact
-    source_bits = (None, None) if contact is None else (contact.contype, contact.conaffinity)
-    return 1 if source_bits[0] is None else source_bits[0], 1 if source_bits[1] is None else source_bits[1]
+    contype, conaffinity = (None, None) if contact is None else (contact.contype, contact.conaffinity)
+    # MuJoCo's default is 1 for both.
+    return 1 if contype is None else contype, 1 if conaffinity is None else conaffinity
 
 
 def _collision_grid(first: Bits, second: Bits) -> Grid:
@@ -69,7 +70,7 @@ def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
     return (element for element in children_of(sections, "contact") if element.tag == tag)
 
 
-def excluded(robot: Robot) -> set[frozenset[str]]:
+def excluded_by_source(robot: Robot) -> set[frozenset[str]]:
     """Returns the pairs of links that the excludes of an MJCF source name."""
     return {frozenset(name for _, name in exclude.named()) for exclude in _contacts(robot, "exclude")}
 

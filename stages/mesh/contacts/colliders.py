@@ -26,13 +26,13 @@ TOUCH_DISTANCE = 1e-6
 """Largest distance [m] of colliders that touch: single precision moves faces by as much."""
 
 _MAX_DISTANCE = 1e-3
-"""Distance [m] above which MuJoCo need not measure."""
+"""Distance [m] up to which MuJoCo measures; it returns this for geoms that are farther apart."""
 
 _NUDGE = 1e-4
 """Distance by which a geom is moved to break symmetry, as a share of the sum of both bounding radii."""
 
 _OBLIQUE = np.array([0.48, 0.64, 0.6])
-"""Unit vector along no axis."""
+"""Unit vector (3,) that is far from every coordinate axis."""
 
 
 class Colliders:
@@ -50,8 +50,8 @@ class Colliders:
             self._geoms.setdefault(shape.link, []).append(index)
         model = self._model
         self._link_from_geom = [
-            from_parts(rotation_from_quat(quat), place)
-            for quat, place in zip(model.geom_quat, model.geom_pos, strict=True)
+            from_parts(rotation_from_quat(quat), position)
+            for quat, position in zip(model.geom_quat, model.geom_pos, strict=True)
         ]
 
     @property

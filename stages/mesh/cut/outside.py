@@ -1,4 +1,5 @@
-"""Measures how far a collider stands out of that surface of a link which can be reached from outside."""
+"""Measures how far a collider stands out of a link, from the link's surface that is reachable from
+outside."""
 
 from __future__ import annotations
 
@@ -26,16 +27,16 @@ _POINTS_PER_PIECE = 400
 """Number of points on each piece."""
 
 _SEAM_WIDTH = 3e-4
-"""Points of a piece that are this near to another piece, as a share of the diagonal, are not on the outer
-surface."""
+"""Points of a piece within this distance of another piece, as a share of the link's diagonal, are not on the
+collider's outer surface."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sampled:
+class SampledPiece:
     """A piece of a collider with points on it."""
 
     beyond: Distances
-    """Function that returns how far points are beyond the piece."""
+    """Function that returns how far [m] points are outside the piece, negative inside."""
     points: Points
     """Points (n, 3) spread evenly over the piece."""
     distances: Numbers
@@ -50,19 +51,20 @@ class Sampled:
 
 
 @dataclass(frozen=True, slots=True)
-class StandingOut:
+class Protrusion:
     """How far the outer surface of a collider stands out of a link."""
 
     p95: float
-    """Largest distance [m] of 95 % of the outer surface."""
+    """Distance [m] that 95 % of the outer surface does not exceed."""
     most: float
     """Largest distance [m] of all of the outer surface."""
     far: tuple[float, ...]
-    """Area [m²] of each piece's outer surface that stands out by more than the radius of the ball."""
+    """Area [m²] of each piece's outer surface that stands out by more than the ball's radius, the
+    tolerance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outside:
+class ReachableSurface:
     """The surface of a link that a ball of some radius can touch from outside.
 
     Where the ball cannot go (inside solids, in cavities, in hollows with narrow mouths), a collider does not
@@ -74,7 +76,7 @@ class Outside:
     radius: float
     """Radius of the ball [m]."""
     hidden: Flags
-    """Cells of a grid where the ball cannot go."""
+    """Whether the ball cannot reach each cell of a grid (nx, ny, nz)."""
     low: Points
     """Lowest corner of the grid (3,) [m]."""
     cell: float
@@ -83,7 +85,7 @@ class Outside:
     """Diagonal of the link's bounding box [m]."""
 
     @staticmethod
-    def of(surface: Surface, radius: float) -> Outside:
+    def of(surface: Surface, radius: float) -> ReachableSurface:
         """Finds the outside of a surface, closed or not, for a ball of this radius [m]."""
         tree = BoxTree.of(surface)
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
@@ -96,14 +98,17 @@ class Outside:
         count = int(np.ceil(surface.area() / (_MARK_SPACING * cell) ** 2)) + 1
         marks = np.concatenate([evenly_spread(tree.corners, count).points, surface.vertices])
         solid[tuple(np.floor((marks - start) / cell).astype(int).T)] = True
+        # Places for the ball's centre: connected to the grid's corner, farther than its radius from the
+        # surface.
         free = scipy.ndimage.distance_transform_edt(~solid) * cell > radius
-        parts, _ = scipy.ndimage.label(free)
-        reachable = parts == parts[0, 0, 0]
+        regions, _ = scipy.ndimage.label(free)
+        reachable = regions == regions[0, 0, 0]
         hidden = scipy.ndimage.distance_transform_edt(~reachable) * cell > radius + cell
-        return Outside(Nearest.of(tree), radius, hidden, start, cell, diagonal)
+        return ReachableSurface(Nearest.of(tree), radius, hidden, start, cell, diagonal)
 
     def distances(self, points: Points) -> Numbers:
-        """Returns the distance [m] (n,) of points (n, 3) from the surface, 0 where the ball cannot go."""
+        """Returns the distance [m] (n,) of points (n, 3) from the link's surface, 0 where the ball cannot
+        go."""
         cells = np.floor((points - self.low) / self.cell).astype(int)
         within = ((cells >= 0) & (cells < self.hidden.shape)).all(axis=1)
         open_air = np.array(~within)
@@ -113,15 +118,15 @@ class Outside:
             distances[open_air] = self.nearest(points[open_air])[0]
         return distances
 
-    def sampled(self, piece: Piece) -> Sampled:
-        """Samples a piece."""
+    def sampled(self, piece: Piece) -> SampledPiece:
+        """Spreads points over a piece, and measures their distances from the link."""
         surface = surface_of(piece)
         points = evenly_spread(surface.corners, _POINTS_PER_PIECE).points
-        return Sampled(
+        return SampledPiece(
             beyond_piece(piece), points, self.distances(points), surface.area() / _POINTS_PER_PIECE
         )
 
-    def standing_out(self, pieces: Sequence[Sampled]) -> StandingOut:
+    def protrusion(self, pieces: Sequence[SampledPiece]) -> Protrusion:
         """Measures how far the outer surface of a collider, the union of the pieces, is out of the link."""
         distances = []
         for number, piece in enumerate(pieces):
@@ -141,4 +146,4 @@ class Outside:
         )
         far_counts = [np.count_nonzero(values > self.radius) for values in distances]
         areas = tuple(piece.area * number for piece, number in zip(pieces, far_counts, strict=True))
-        return StandingOut(p95, float(all_distances.max(initial=0.0)), areas)
+        return Protrusion(p95, float(all_distances.max(initial=0.0)), areas)

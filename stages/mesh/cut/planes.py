@@ -1,4 +1,4 @@
-"""Chooses planes by which a piece of a collider may be cut."""
+"""Finds planes by which a piece of a collider may be cut."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ _MIN_SHARE_OF_EXTENT = 0.02
 
 
 def axes_of(surface: Surface) -> Points:
-    """Returns axes (k, 3): x, y and z, and the principal axes of a surface, by area."""
+    """Returns axes (k, 3): x, y and z, and those principal axes of the surface's area that differ from
+    them."""
     centres = surface.corners.mean(axis=1)
     weights = np.linalg.norm(surface.normals(), axis=1)
     total = weights.sum()

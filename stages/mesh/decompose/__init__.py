@@ -13,4 +13,4 @@ manifold3d 3.5.4, and their pieces joined:
 from linkwright.stages.mesh.configuration.decompose_options import Search as Search
 from linkwright.stages.mesh.configuration.decompose_options import search as search
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED as NOT_CLOSED
-from linkwright.stages.mesh.decompose.coacd_pieces import decomposed as decomposed
+from linkwright.stages.mesh.decompose.coacd_pieces import convex_pieces as convex_pieces

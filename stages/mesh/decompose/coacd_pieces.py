@@ -26,13 +26,13 @@ _MAX_HULL_RATIO = 1.002
 """A body stays a single piece if its hull has at most this many times its volume, or if it is smaller than
 the tolerance."""
 
-_OVERLAP_OF_SIZE = 4e-5
+_OVERLAP_SHARE = 4e-5
 """Distance by which each piece is grown, as a share of the part's diagonal: CoACD leaves such a gap between
 pieces that touch along a cut."""
 
 
-def decomposed(surface: Surface, tolerance: float, search: Search) -> tuple[Surface, ...] | str:
-    """Returns the convex pieces of a surface for a tolerance [m], more than needed; or the reason in words
+def convex_pieces(surface: Surface, tolerance: float, search: Search) -> tuple[Surface, ...] | str:
+    """Returns the convex pieces of a surface for a tolerance [m], more than necessary; or the reason in words
     why there are none."""
     surface, arguments = snapped(surface), search.arguments(tolerance)
     bodies = prepared(surface, tolerance)
@@ -60,19 +60,19 @@ def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[
     coacd.set_log_level("error")
     parts = coacd.run_coacd(coacd.Mesh(body.vertices, body.triangles), **arguments)
     hulls = [convex_hull(np.asarray(vertices, dtype=np.float64)) for vertices, _ in parts]
-    overlap = _OVERLAP_OF_SIZE * body.diagonal
+    overlap = _OVERLAP_SHARE * body.diagonal
     return [grown(hull, overlap) for hull in hulls if hull]
 
 
 _SIMPLIFICATION_STEPS = (0.1, 0.1, 0.1, 0.1)
-"""Distances, in tolerances, by which the passes of simplification may move the surface."""
+"""Distance, in tolerances, by which each pass of simplification may move the surface."""
 
 _MAX_FACES = 2500
 """Number of triangles at which no further pass is made. Two short passes leave fewer triangles than a long
 one."""
 
 _MAX_SELF_OVERLAP = 0.005
-"""Largest share of a body in which the winding number may differ from 1."""
+"""Largest share of a body in which its winding number may be above 1 or below 0: there it overlaps itself."""
 
 _POINTS_PER_SIDE = 16
 """Number of points along each side of a body's box at which the winding number is computed."""
@@ -103,6 +103,8 @@ def prepared(surface: Surface, tolerance: float) -> tuple[Surface, ...] | str:
 
 def _intersects_itself(body: Surface) -> bool:
     low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
-    places = (np.indices((_POINTS_PER_SIDE,) * 3).reshape(3, -1).T + 0.5) / _POINTS_PER_SIDE
-    times = InsideTest.of(body).closed_winding(low + (high - low) * places)
-    return int((times > 1).sum() + (times < 0).sum()) > _MAX_SELF_OVERLAP * int((times != 0).sum())
+    shares = (np.indices((_POINTS_PER_SIDE,) * 3).reshape(3, -1).T + 0.5) / _POINTS_PER_SIDE
+    winding_numbers = InsideTest.of(body).closed_winding(low + (high - low) * shares)
+    return int((winding_numbers > 1).sum() + (winding_numbers < 0).sum()) > _MAX_SELF_OVERLAP * int(
+        (winding_numbers != 0).sum()
+    )

@@ -13,10 +13,10 @@ MAX_FACES = 200_000
 """Largest number of triangles in a file: MuJoCo reads no more."""
 
 _BACK_DISTANCE = 1e-6
-"""Distance [m] of the back of a flat surface."""
+"""Distance [m] between a flat surface and the back that it gets."""
 
 _MIN_SPAN = 1e-14
-"""Smallest volume [m³] that a mesh must span."""
+"""Smallest volume [m³] between a mesh and its centroid; MuJoCo refuses meshes that span nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def visuals(surface: Surface, colour: Colour, texture: str = "") -> Iterator[Mes
     """
     for part, span in _portions(rounded(surface)):
         solid = part
-        if _flat(part, span):
+        if _is_flat(part, span):
             solid = rounded(_backed(part))
             span = _span(solid)
         if len(solid.triangles) and span >= _MIN_SPAN:
@@ -64,7 +64,7 @@ def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
     if not count:
         return
     span = _span(surface)
-    if count <= (MAX_FACES // 2 if _flat(surface, span) else MAX_FACES):
+    if count <= (MAX_FACES // 2 if _is_flat(surface, span) else MAX_FACES):
         yield surface, span
         return
     for half in np.array_split(np.arange(count), 2):
@@ -76,19 +76,20 @@ def _scale(surface: Surface) -> float:
     return max(1.0, float(np.abs(surface.vertices).max()))
 
 
-def _flat(surface: Surface, span: float) -> bool:
+def _is_flat(surface: Surface, span: float) -> bool:
     """Tells whether a surface of the given span [m³] lies in a plane, within single precision."""
     return span <= 0.2 * _BACK_DISTANCE * _scale(surface) * surface.area()
 
 
 def _span(surface: Surface) -> float:
-    """Returns the volume [m³] between a surface and its centroid, which MuJoCo calls a mesh's volume."""
+    """Returns the sum [m³] of the volumes between each triangle and the centroid, as MuJoCo computes a
+    volume."""
     weights = np.linalg.norm(surface.normals(), axis=1)
     total = float(weights.sum())
     if total == 0.0:
         return 0.0
-    middle = (surface.corners.mean(axis=1) * weights[:, None]).sum(axis=0) / total
-    return float(np.abs(surface.cone_volumes(middle)).sum())
+    centroid = (surface.corners.mean(axis=1) * weights[:, None]).sum(axis=0) / total
+    return float(np.abs(surface.cone_volumes(centroid)).sum())
 
 
 def _backed(surface: Surface) -> Surface:
@@ -99,10 +100,11 @@ def _backed(surface: Surface) -> Surface:
     if lengths[largest] == 0.0:
         return surface
     area = float(lengths.sum() / 2)
-    # Specks need a thicker back to be more than nothing, but never thicker than they are wide.
+    # For a tiny surface, a millionth of a metre would span too little volume; but the back is never farther
+    # away than the surface is wide.
     depth = max(_BACK_DISTANCE * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
-    behind = surface.vertices - depth * normals[largest] / lengths[largest]
-    return joined([surface, replace(surface, vertices=behind).flipped()])
+    back_vertices = surface.vertices - depth * normals[largest] / lengths[largest]
+    return joined([surface, replace(surface, vertices=back_vertices).flipped()])
 
 
 def _mesh_file(surface: Surface, colour: Colour | None, texture: str = "") -> MeshFile:

@@ -48,7 +48,7 @@ def part_words(names: Sequence[str]) -> list[str]:
     counts = Counter(names)
     paths = {name: name.split("/") for name in counts}
     # A part called "collision" must not look like a collider's file.
-    short = {
+    short_name = {
         name: f"part_{word}" if word.startswith("collision") else word
         for name, word in shortest_unique(paths).items()
     }
@@ -56,7 +56,7 @@ def part_words(names: Sequence[str]) -> list[str]:
     words = []
     for name in names:
         numbers[name] += 1
-        words.append(short[name] if counts[name] == 1 else f"{short[name]}__{numbers[name]}")
+        words.append(short_name[name] if counts[name] == 1 else f"{short_name[name]}__{numbers[name]}")
     return words
 
 

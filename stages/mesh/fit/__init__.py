@@ -12,7 +12,8 @@ that axis.
 - kinds: Finds the best fit of each kind of primitive.
 - levels: Finds where most of a surface lies: the height of a flat face, or the radius about an axis or a
   point.
-- outline: Prepares a surface and its hull for the fits: for distances from them, by samples in a tree.
+- outline: Prepares a surface and its hull for fits: distances from the surface are found by samples in a
+  tree.
 - refine: Improves a fit in small steps, which move single sides of a primitive in or out.
 - score: Computes the error of a primitive as a collider: the smallest tolerance that it meets.
 """

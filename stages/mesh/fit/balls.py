@@ -20,8 +20,8 @@ _BARENESS_SHARE = 0.75
 the whole surface."""
 
 _GROWTH = 1.25
-"""Factor by which the tolerance grows if too many spheres are needed, and the grid if it keeps too many
-points."""
+"""Factor by which the tolerance grows while too many spheres are needed, and a grid's cells while they keep
+too many points."""
 
 _DECIMALS = 12
 """Decimals [m] of radii and centres, so that they do not depend on how a processor rounds."""
@@ -35,12 +35,12 @@ def spheres(outline: Outline, closed: bool, tolerance: float, max_spheres: int) 
     tolerance, so that it stands out by no more than that. Spheres are chosen greedily: next is the one that
     covers most of the surface that is still bare. If the surface is not `closed`, spheres are centred on it.
     """
-    spots, owners = _spots(outline)
-    centres, radii = spots, np.zeros(len(spots))
+    surface_spots, owners = _surface_spots(outline)
+    centres, radii = surface_spots, np.zeros(len(surface_spots))
     if closed:
-        centres, radii = _inner_balls(outline, spots, outline.normals[owners])
+        centres, radii = _inner_balls(outline, surface_spots, outline.normals[owners])
     surface = np.concatenate([outline.tree.data, outline.faces.reshape(-1, 3)])
-    points = surface[_spread(surface, outline, _TARGET_POINTS)]
+    points = surface[_spread_indices(surface, outline, _TARGET_POINTS)]
     distances = scipy.spatial.distance.cdist(points, centres) - radii
     reach = _PROTRUSION_SHARE * tolerance
     while (indices := _cover(distances <= (1 + _BARENESS_SHARE) * reach, max_spheres)) is None:
@@ -50,14 +50,14 @@ def spheres(outline: Outline, closed: bool, tolerance: float, max_spheres: int) 
     return tuple(Primitive("sphere", (sizes[k],), frozen(from_parts(np.eye(3), poses[k]))) for k in indices)
 
 
-def _spots(outline: Outline) -> tuple[Points, npt.NDArray[np.int64]]:
+def _surface_spots(outline: Outline) -> tuple[Points, npt.NDArray[np.int64]]:
     """Returns points spread about evenly over the surface, and the triangle of each."""
     points = np.asarray(outline.tree.data)
-    indices = _spread(points, outline, _TARGET_CENTRES)
+    indices = _spread_indices(points, outline, _TARGET_CENTRES)
     return points[indices], outline.sample_faces[indices]
 
 
-def _spread(points: Points, outline: Outline, count: int) -> npt.NDArray[np.int64]:
+def _spread_indices(points: Points, outline: Outline, count: int) -> npt.NDArray[np.int64]:
     """Returns the indices of at most twice `count` points, about as far apart as `count` points on the whole
     surface would be: the first point of each cell of a grid, in the order of coordinates, so that the order
     of the points does not matter."""
@@ -82,12 +82,12 @@ def _inner_balls(outline: Outline, spots: Points, normals: Points) -> tuple[Poin
     active = np.arange(len(spots))
     for _ in range(_MAX_ROUNDS):
         centres = spots[active] - normals[active] * radii[active, None]
-        distances, indices = outline.tree.query(centres)
+        distances, nearest_indices = outline.tree.query(centres)
         inside = distances < radii[active] * (1 - 1e-6)
-        active, indices = active[inside], indices[inside]
+        active, nearest_indices = active[inside], nearest_indices[inside]
         if not len(active):
             break
-        chords = spots[active] - outline.tree.data[indices]
+        chords = spots[active] - outline.tree.data[nearest_indices]
         depths = (chords * normals[active]).sum(axis=1)
         squares = (chords**2).sum(axis=1)
         usable = (depths > 1e-6 * np.sqrt(squares)) & (squares > 0)
@@ -100,21 +100,21 @@ def _inner_balls(outline: Outline, spots: Points, normals: Points) -> tuple[Poin
     return centres, np.minimum(radii, outline.distance(centres))
 
 
-def _cover(covers: npt.NDArray[np.bool_], max_spheres: int) -> list[int] | None:
+def _cover(covers_row: npt.NDArray[np.bool_], max_spheres: int) -> list[int] | None:
     """Returns the columns that a greedy choice needs to cover each row, the first of equal columns; None if
     it needs more than `max_spheres`."""
-    bare = np.ones(len(covers), dtype=bool)
-    by_column = np.ascontiguousarray(covers.T)
+    is_bare = np.ones(len(covers_row), dtype=bool)
+    by_column = np.ascontiguousarray(covers_row.T)
     gains = by_column.sum(axis=1)
     columns: list[int] = []
-    while bare.any():
+    while is_bare.any():
         if len(columns) == max_spheres:
             return None
         best = int(gains.argmax())
         if not gains[best]:
             return None
-        new = bare & by_column[best]
-        gains = gains - by_column[:, new].sum(axis=1)
-        bare &= ~new
+        newly_covered = is_bare & by_column[best]
+        gains = gains - by_column[:, newly_covered].sum(axis=1)
+        is_bare &= ~newly_covered
         columns.append(best)
     return columns

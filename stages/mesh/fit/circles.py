@@ -16,11 +16,11 @@ def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
     the smallest one through points of the support that contains all of the support, as in Gärtner's pivoting
     ("Fast and robust smallest enclosing balls", 1999).
     """
-    middle = points.mean(axis=0)
-    local = points - middle
+    mean = points.mean(axis=0)
+    local = points - mean
     size = float(np.sqrt((local**2).sum(axis=1).max()))
     if size == 0.0:
-        return middle, 0.0
+        return mean, 0.0
     local = local / size
     support = [int((local**2).sum(axis=1).argmax())]
     centre, radius = local[support[0]], 0.0
@@ -29,16 +29,19 @@ def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
         farthest = int(squares.argmax())
         if squares[farthest] <= radius**2 + _TOLERANCE or farthest in support:
             break
-        support, centre, radius = _through(local, [*support, farthest])
+        support, centre, radius = _smallest_ball_through(local, [*support, farthest])
     radius = float(np.sqrt(((local - centre) ** 2).sum(axis=1).max()))
-    return centre * size + middle, radius * size
+    return centre * size + mean, radius * size
 
 
-def _through(points: npt.NDArray[np.float64], indices: list[int]) -> tuple[list[int], Floats, float]:
-    """Returns the smallest ball that contains all of these points, with some of them on its surface, the last
-    point included: the points on the surface, the centre and the radius."""
+def _smallest_ball_through(
+    points: npt.NDArray[np.float64], indices: list[int]
+) -> tuple[list[int], Floats, float]:
+    """Returns the smallest ball that contains the points with these `indices` and has the last of them on its
+    surface: the indices of the points that determine it, its centre (d,) and its radius."""
     best: tuple[list[int], Floats, float] | None = None
     count = len(indices)
+    # Each mask selects a subset of the other points.
     for mask in range(1 << count - 1):
         support = [indices[k] for k in range(count - 1) if mask >> k & 1] + indices[-1:]
         if len(support) > points.shape[1] + 1:

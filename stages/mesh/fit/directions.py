@@ -58,7 +58,7 @@ def snapped(direction: Floats) -> Floats:
     return np.asarray(direction * np.sign(direction[largest]), dtype=np.float64)
 
 
-def across(direction: Floats) -> tuple[Floats, Floats]:
+def axes_across(direction: Floats) -> tuple[Floats, Floats]:
     """Returns two unit vectors that make a right-handed frame with a direction; for a coordinate axis they
     are coordinate axes."""
     largest = int(np.abs(direction).argmax())
@@ -88,7 +88,7 @@ def silhouettes(outline: Outline) -> list[Silhouette]:
     """Returns the silhouette along each direction of a part, except those that are nearly a line."""
     result = []
     for axis in directions(outline):
-        u, v = across(axis)
+        u, v = axes_across(axis)
         flat = np.stack([outline.corners @ u, outline.corners @ v], axis=1)
         heights = outline.corners @ axis
         try:
@@ -99,9 +99,10 @@ def silhouettes(outline: Outline) -> list[Silhouette]:
     return result
 
 
-def frames(outline: Outline, parts_seen: Sequence[Silhouette]) -> list[npt.NDArray[np.float64]]:
-    """Returns the axes of the smallest boxes around the part, as columns of rotations (3, 3)."""
-    rotations = [np.eye(3), *(_smallest_box(silhouette) for silhouette in parts_seen)]
+def frames(outline: Outline, part_silhouettes: Sequence[Silhouette]) -> list[npt.NDArray[np.float64]]:
+    """Returns the axes, as the columns of rotations (3, 3), of at most three different boxes around the part:
+    the smallest of the boxes along the coordinate axes and along the silhouettes."""
+    rotations = [np.eye(3), *(_smallest_box(silhouette) for silhouette in part_silhouettes)]
     # Of equal boxes only the first is kept.
     volumes = [float(np.prod(np.ptp(outline.corners @ frame, axis=0))) for frame in rotations]
     ranks = np.round(np.log(volumes) / _EQUAL_SHARE)
@@ -110,8 +111,8 @@ def frames(outline: Outline, parts_seen: Sequence[Silhouette]) -> list[npt.NDArr
 
 
 def upright(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Returns the smallest rotation whose columns are these axes (3, 3), in any order and sense; an axis
-    within 0.5° of a coordinate axis becomes that axis."""
+    """Returns a small rotation (3, 3) whose columns are the columns of `axes`, reordered and reversed to be
+    near x, y and z; an axis within 0.5° of a coordinate axis becomes that axis."""
     order = []
     for axis in range(3):
         remaining = [column for column in range(3) if column not in order]
@@ -144,7 +145,7 @@ def _face_normals(outline: Outline) -> list[Floats]:
     total = outline.areas.sum()
     large = outline.areas > _MIN_TRIANGLE_SHARE * total
     areas, normals = outline.areas[large], outline.normals[large]
-    flats: list[Floats] = []
+    face_normals: list[Floats] = []
     for _ in range(_MAX_FACES):
         seeds = np.argsort(-areas, kind="stable")[:_MAX_SEEDS]
         cosines = normals @ normals[seeds].T
@@ -157,9 +158,9 @@ def _face_normals(outline: Outline) -> list[Floats]:
             break
         signs = np.sign(cosines[:, best]) * near_seed[:, best] * areas
         mean = (normals * signs[:, None]).sum(axis=0)
-        flats.append(mean / np.linalg.norm(mean))
+        face_normals.append(mean / np.linalg.norm(mean))
         areas[np.abs(cosines[:, best]) > _SEPARATE_COSINE] = 0.0
-    return flats
+    return face_normals
 
 
 def _smallest_box(silhouette: Silhouette) -> npt.NDArray[np.float64]:

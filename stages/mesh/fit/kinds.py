@@ -10,9 +10,9 @@ import numpy.typing as npt
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.fit import levels
 from linkwright.stages.mesh.fit.circles import smallest_ball
-from linkwright.stages.mesh.fit.directions import Silhouette, across, frames, silhouettes
+from linkwright.stages.mesh.fit.directions import Silhouette, axes_across, frames, silhouettes
 from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
-from linkwright.stages.mesh.fit.refine import refined, refined_below
+from linkwright.stages.mesh.fit.refine import max_refined_error, refined
 from linkwright.stages.mesh.fit.score import error, least_error
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
@@ -90,8 +90,8 @@ def best_fit(kind: PrimitiveKind, subject: Subject) -> PrimitiveFit:
 def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> PrimitiveFit | None:
     """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Candidates that
     certainly have a larger error are not measured."""
-    # Refining can still reduce errors below `refined_below`.
-    max_least_error = max(max_error, refined_below(subject.outline))
+    # Refining can still reduce errors below `max_refined_error`.
+    max_least_error = max(max_error, max_refined_error(subject.outline))
     shapes = [
         shape
         for shape in _CANDIDATES[kind](subject)
@@ -255,7 +255,7 @@ def _solid_of_revolution(
 ) -> Primitive:
     """Returns a cylinder or capsule around a circle's axis. `low`, `high`: its ends along the axis [m], from
     the circle's centre; of a capsule, the centres of its caps."""
-    frame = np.stack([*across(circle.axis), circle.axis], axis=1)
+    frame = np.stack([*axes_across(circle.axis), circle.axis], axis=1)
     return _primitive(kind, [radius, high - low], frame, circle.centre + circle.axis * (low + high) / 2)
 
 

@@ -90,10 +90,10 @@ def _nearest_to_normals(
     return np.asarray(estimate + vectors @ ((vectors.T @ right_hand_side) / values), dtype=np.float64)
 
 
-def _median(values: Floats, weights: Floats, least_weight: float, otherwise: float) -> float:
-    """Returns the weighted median; `otherwise` if the weights add up to less than `least_weight`."""
+def _median(values: Floats, weights: Floats, least_weight: float, fallback: float) -> float:
+    """Returns the weighted median; `fallback` if the weights add up to less than `least_weight`."""
     if not len(values) or weights.sum() < least_weight:
-        return otherwise
+        return fallback
     order = np.argsort(values, kind="stable")
     below = np.cumsum(weights[order])
     # If exactly half of the area is below a gap between two values, the median is their mean.

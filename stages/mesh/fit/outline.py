@@ -1,4 +1,4 @@
-"""Prepares a surface and its hull for the fits: for distances from them, by samples in a tree."""
+"""Prepares a surface and its hull for fits: distances from the surface are found by samples in a tree."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Floats = npt.NDArray[np.float64]
 
 _TARGET_SAMPLES = 2000
 _MAX_SAMPLES = 40_000
-"""Numbers of samples: for triangles of equal size, and at most."""
+"""Number of samples if all triangles are of equal size, and the largest number."""
 
 _NEAREST_SAMPLES = 4
 """Number of samples near a point whose triangles are searched for the nearest one."""
@@ -67,8 +67,8 @@ class Outline:
 
     def protrusion(self, points: Points) -> Floats:
         """Returns how far [m] (n,) each point (n, 3) is outside of the part; 0 inside."""
-        distances, ahead = self._nearest(points)
-        return np.where(ahead, distances, 0.0)
+        distances, in_front = self._nearest(points)
+        return np.where(in_front, distances, 0.0)
 
     def distance(self, points: Points) -> Floats:
         """Returns the distance [m] (n,) of each point (n, 3) from the surface."""
@@ -87,8 +87,8 @@ def outline_of(surface: Surface) -> Outline | None:
         return None
     if surface.volume() < 0:
         surface = surface.flipped()
-    doubled = surface.normals()
-    lengths = np.linalg.norm(doubled, axis=1)
+    doubled_normals = surface.normals()
+    lengths = np.linalg.norm(doubled_normals, axis=1)
     has_area = lengths > 0
     faces, areas = surface.corners[has_area], lengths[has_area] / 2
     points, owners = _samples(faces, areas)
@@ -98,7 +98,7 @@ def outline_of(surface: Surface) -> Outline | None:
         volume=hull.volume(),
         faces=faces,
         centroids=faces.mean(axis=1),
-        normals=doubled[has_area] / lengths[has_area, None],
+        normals=doubled_normals[has_area] / lengths[has_area, None],
         areas=areas,
         tree=scipy.spatial.cKDTree(points),
         sample_faces=owners,
@@ -115,20 +115,20 @@ def _samples(faces: npt.NDArray[np.float64], areas: Floats) -> tuple[Points, npt
     """
     longest_edge = 1.5 * np.sqrt(areas.sum() / _TARGET_SAMPLES)
     owners = np.arange(len(faces))
-    small: list[Points] = []
-    small_owners: list[npt.NDArray[np.int64]] = []
+    sample_points: list[Points] = []
+    sample_owners: list[npt.NDArray[np.int64]] = []
     for _ in range(_MAX_HALVINGS):
         edges = np.linalg.norm(np.roll(faces, -1, axis=1) - faces, axis=2)
         fine = edges.max(axis=1) <= longest_edge
-        small.append(faces[fine].mean(axis=1))
-        small_owners.append(owners[fine])
+        sample_points.append(faces[fine].mean(axis=1))
+        sample_owners.append(owners[fine])
         faces, owners, edges = faces[~fine], owners[~fine], edges[~fine]
-        if not len(faces) or sum(map(len, small_owners)) + 2 * len(faces) > _MAX_SAMPLES:
+        if not len(faces) or sum(map(len, sample_owners)) + 2 * len(faces) > _MAX_SAMPLES:
             break
         faces, owners = _divided(faces, owners, edges)
-    small.append(faces.mean(axis=1))
-    small_owners.append(owners)
-    return np.concatenate(small), np.concatenate(small_owners)
+    sample_points.append(faces.mean(axis=1))
+    sample_owners.append(owners)
+    return np.concatenate(sample_points), np.concatenate(sample_owners)
 
 
 def _divided(

@@ -24,30 +24,31 @@ Side = tuple[int, int]
 """Index of one of a primitive's lengths, and the end that moves: -1 or 1, or 0 for a radius."""
 
 
-def refined_below(outline: Outline) -> float:
-    """Returns the error [m] from which on a fit is not refined."""
+def max_refined_error(outline: Outline) -> float:
+    """Returns the error [m] from which a fit is too bad to be refined."""
     return _MAX_FIRST_ERROR * outline.tolerance
 
 
-def refined(primitive: Primitive, first: float, outline: Outline) -> tuple[Primitive, float]:
-    """Moves the sides of a primitive to reduce its error [m], `first`; returns the primitive and its error.
+def refined(primitive: Primitive, first_error: float, outline: Outline) -> tuple[Primitive, float]:
+    """Moves the sides of a primitive to reduce its error [m], `first_error`; returns the primitive and its
+    error.
 
     In each step, all sides whose single moves reduce the error are moved together, so that neither their
     order nor their sense matters; if that is worse than the best single move, only that one is made.
     """
-    if not _GOOD_ERROR * outline.tolerance < first < refined_below(outline):
-        return primitive, first
-    least = first
+    if not _GOOD_ERROR * outline.tolerance < first_error < max_refined_error(outline):
+        return primitive, first_error
+    least = first_error
     for share in _STEPS:
-        step, limit = share * first, _MAX_ERROR_RATIO * least
+        step, limit = share * first_error, _MAX_ERROR_RATIO * least
         moves = [_best_move(primitive, side, step, limit, outline) for side in _sides(primitive)]
-        better_moves = [move for move in moves if move is not None]
-        if not better_moves:
+        useful_moves = [move for move in moves if move is not None]
+        if not useful_moves:
             continue
         together = primitive
-        for _, side, amount in better_moves:
+        for _, side, amount in useful_moves:
             together = _stretched(together, side, amount)
-        score, side, amount = min(better_moves)
+        score, side, amount = min(useful_moves)
         common = error(together, outline)
         primitive = together if common <= score else _stretched(primitive, side, amount)
         least = min(common, score)

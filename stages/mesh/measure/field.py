@@ -43,7 +43,7 @@ class Field:
     pitch: float
     """Distance between the nodes [m]."""
     low: Points
-    """Place of the first node (3,) [m]."""
+    """Position of the first node (3,) [m]."""
     values: npt.NDArray[np.float32] | None
     """Distance at each node, in tolerances, 0 inside; None if the grid would have too many nodes."""
 
@@ -59,15 +59,17 @@ class Field:
         count = 2 * target.surface.area() / (_POINT_SPACING * tolerance) ** 2
         samples = evenly_spread(target.tree.corners, int(np.clip(count, 100, _MAX_POINTS))).points
         points = np.concatenate([target.surface.vertices, samples])
-        flat = np.ravel_multi_index(tuple(np.rint((points - low) / pitch).astype(np.int64).T), shape)
+        flat_nodes = np.ravel_multi_index(tuple(np.rint((points - low) / pitch).astype(np.int64).T), shape)
         # The first point near a node represents the others.
-        occupied, first = np.unique(flat, return_index=True)
+        occupied, first_points = np.unique(flat_nodes, return_index=True)
         empty = np.ones(shape, dtype=bool)
         empty.ravel()[occupied] = False
         nearest = scipy.ndimage.distance_transform_edt(empty, return_distances=False, return_indices=True)
         nearest_index = np.searchsorted(occupied, np.ravel_multi_index(tuple(nearest.reshape(3, -1)), shape))
         nodes = low + pitch * np.indices(shape).reshape(3, -1).T
-        distances = np.linalg.norm(nodes - points[first[nearest_index]], axis=1).reshape(shape) / tolerance
+        distances = (
+            np.linalg.norm(nodes - points[first_points[nearest_index]], axis=1).reshape(shape) / tolerance
+        )
         distances[_inside_nodes(distances > _WALL_THICKNESS, nodes, target)] = 0.0
         return Field(target, tolerance, pitch, low, np.minimum(distances, _MAX_DISTANCE).astype(np.float32))
 
@@ -87,13 +89,13 @@ def _inside_nodes(free: npt.NDArray[np.bool_], nodes: Points, target: Target) ->
     """Tells which of the nodes that are `free` of the wall are inside. A connected region of them is usually
     inside or outside as a whole."""
     regions, count = scipy.ndimage.label(free)
-    flat = regions.ravel()
-    order = np.argsort(flat, kind="stable")
-    ends = np.searchsorted(flat[order], np.arange(1, count + 2))
-    result = np.zeros(flat.shape, dtype=bool)
+    region_of_node = regions.ravel()
+    order = np.argsort(region_of_node, kind="stable")
+    ends = np.searchsorted(region_of_node[order], np.arange(1, count + 2))
+    result = np.zeros(region_of_node.shape, dtype=bool)
     for begin, end in itertools.pairwise(ends):
         members = order[begin:end]
         trial = target.inside(nodes[members[np.linspace(0, len(members) - 1, _TRIAL_NODES).astype(np.int64)]])
-        agree = trial.all() or not trial.any()
-        result[members] = trial[0] if agree else target.inside(nodes[members])
+        trial_agrees = trial.all() or not trial.any()
+        result[members] = trial[0] if trial_agrees else target.inside(nodes[members])
     return np.asarray(result.reshape(free.shape))

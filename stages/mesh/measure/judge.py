@@ -1,4 +1,4 @@
-"""Measures how far a collider is from a part, first at samples, then by a search between them."""
+"""Measures how far a collider is from a part, first at samples, then by a search between the samples."""
 
 from collections.abc import Callable, Sequence
 
@@ -27,7 +27,7 @@ _INSIDE_TEST_SHARE = 0.3
 """Share of the points, those farthest from the part's surface, that are tested for being inside at first."""
 
 QUICK_SAMPLE_COUNT = 300
-"""Number of samples of the quick test `hopeless`."""
+"""Number of samples of the quick test `is_hopeless`."""
 
 _SAMPLE_STEP = SAMPLE_COUNT // QUICK_SAMPLE_COUNT
 _MAX_DEVIATIONS = 5.5
@@ -62,7 +62,7 @@ def measure(
     return Measures(extra, round(shares.missing, 6), shares.by, *rounded)
 
 
-def near(target: Target, pieces: Sequence[Piece], tolerance: float, max_protrusion: float) -> bool:
+def is_near(target: Target, pieces: Sequence[Piece], tolerance: float, max_protrusion: float) -> bool:
     """Tells whether 95 % of the outer surface of `pieces` stand out by at most the tolerance [m], and all of
     it by at most `max_protrusion`, and no point of the part is further outside than the tolerance.
 
@@ -85,7 +85,7 @@ def _search_start(target: Target, limit: float) -> float:
     return max(0.0, min(limit - MAX_ERROR_SHARE * target.diagonal, limit / (1 + _RELATIVE_ERROR)))
 
 
-def hopeless(
+def is_hopeless(
     target: Target, pieces: Sequence[Piece], tolerance: float, points: int = QUICK_SAMPLE_COUNT
 ) -> bool:
     """Tells whether a sample of points already shows that the pieces miss the tolerance [m]: a point of the
@@ -96,12 +96,12 @@ def hopeless(
     rejects pieces that are well within the tolerance.
     """
     union = PieceUnion.of(sorted(pieces, key=_order))
-    outside = _outside_union(union, target.samples.points[::_SAMPLE_STEP], tolerance)
-    if (outside.value[outside.counts] > tolerance).any():
+    outer_values = _outside_union(union, target.samples.points[::_SAMPLE_STEP], tolerance)
+    if (outer_values.value[outer_values.counts] > tolerance).any():
         return True
     samples = evenly_spread(union.tree.corners, points)
     triangles = samples.triangles
-    _, outer = _outer(
+    _, outer = _depths_and_outer_mask(
         target.diagonal, union, samples.points, union.owners[triangles], union.normals[triangles]
     )
     distances, exact = outside_part(target, samples.points[outer], tolerance)
@@ -122,7 +122,7 @@ def _protrusion(target: Target, union: PieceUnion) -> tuple[float, float]:
     """Returns how far [m] 95 % of the outer surface stand out at most, and the largest value of a sample."""
     samples = evenly_spread(union.tree.corners, _POINTS_ON_PIECES)
     owners, normals = union.owners[samples.triangles], union.normals[samples.triangles]
-    _, outer = _outer(target.diagonal, union, samples.points, owners, normals)
+    _, outer = _depths_and_outer_mask(target.diagonal, union, samples.points, owners, normals)
     points = samples.points[outer]
     bounds = target.nearest(points, np.inf)[0]
     # Points inside do not stand out. Only the farthest points matter, so points near the part need no test.
@@ -146,7 +146,7 @@ def _farthest(target: Target, union: PieceUnion, least: float) -> float:
     """Returns how far [m] the outer surface stands out at most; the result is `least` or more."""
 
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
-        buried, outer = _outer(
+        buried, outer = _depths_and_outer_mask(
             target.diagonal, union, points, union.owners[triangles], union.normals[triangles]
         )
         distances, exact = outside_part(target, points, exact_from)
@@ -158,7 +158,7 @@ def _farthest(target: Target, union: PieceUnion, least: float) -> float:
     return largest(union.tree, value, least, _allowed_error(target, least))
 
 
-def _outer(
+def _depths_and_outer_mask(
     diagonal: float, union: PieceUnion, points: Points, owners: Indices, normals: Points
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """Returns how deep points of the pieces `owners` are in other pieces, and whether the points are on the
@@ -194,7 +194,7 @@ def _outer_corners(target: Target, union: PieceUnion) -> Points:
         return corners.reshape(-1, 3)
     points = corners.reshape(-1, 3)
     inset_points = points + (np.repeat(corners.mean(axis=1), 3, axis=0) - points) * _CORNER_INSET
-    _, outer = _outer(
+    _, outer = _depths_and_outer_mask(
         target.diagonal, union, inset_points, np.repeat(owners, 3), np.repeat(normals, 3, axis=0)
     )
     return np.unique(points[outer], axis=0)
@@ -204,7 +204,7 @@ def _bareness(target: Target, union: PieceUnion) -> tuple[float, float]:
     """Returns the p95 and the maximum [m] of how far points of the part are outside the union."""
     points = target.samples.points
     bounds = _outside_union(union, points, np.inf).value
-    p95, least = _tail(bounds, lambda some: _outside_union(union, points[some], 0.0).value)
+    p95, least = _tail(bounds, lambda indices: _outside_union(union, points[indices], 0.0).value)
     return p95, _barest(target, union, least)
 
 
@@ -214,8 +214,8 @@ def _barest(target: Target, union: PieceUnion, least: float) -> float:
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
         return _outside_union(union, points, exact_from)
 
-    outside = _outside_union(union, target.corners, least)
-    least = max(least, float(outside.value[outside.counts].max(initial=0.0)))
+    outer_values = _outside_union(union, target.corners, least)
+    least = max(least, float(outer_values.value[outer_values.counts].max(initial=0.0)))
     return largest(target.tree, value, least, _allowed_error(target, least))
 
 

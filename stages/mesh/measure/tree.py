@@ -64,7 +64,7 @@ class BoxTree:
             corners, faces = _cut(corners, faces, _MAX_EDGE_SHARE * diagonal)
         a, b, c = np.moveaxis(corners, 1, 0)
         # The index is in the lower bits: equal codes keep their order, and sorting is faster than an argsort.
-        code = _code((a + b + c) / 3, low, high) << 32 | np.arange(len(corners))
+        code = _morton_codes((a + b + c) / 3, low, high) << 32 | np.arange(len(corners))
         order = np.sort(code) & 0xFFFFFFFF
         corners, faces = corners.take(order, axis=0), faces[order]
         a, b, c = np.moveaxis(corners, 1, 0)
@@ -165,22 +165,22 @@ class Nearest:
 def triangle_distances(points: Points, corners: Corners) -> Numbers:
     """Returns the distance [m] (n,) of each of the points (n, 3) from its own triangle (n, 3, 3)."""
     a = corners[:, 0]
-    first, second, from_first = corners[:, 1] - a, corners[:, 2] - a, points - a
-    aa, ab, bb = _dot(first, first), _dot(first, second), _dot(second, second)
-    pa, pb = _dot(from_first, first), _dot(from_first, second)
+    from_a, edge_ac, from_first = corners[:, 1] - a, corners[:, 2] - a, points - a
+    aa, ab, bb = _dot(from_a, from_a), _dot(from_a, edge_ac), _dot(edge_ac, edge_ac)
+    pa, pb = _dot(from_first, from_a), _dot(from_first, edge_ac)
     area = aa * bb - ab * ab
     v, w = bb * pa - ab * pb, aa * pb - ab * pa
     above_face = (v >= 0) & (w >= 0) & (v + w <= area) & (area > 0)
     safe = np.where(above_face, area, 1.0)[:, None]
-    offsets = from_first - first * v[:, None] / safe - second * w[:, None] / safe
+    offsets = from_first - from_a * v[:, None] / safe - edge_ac * w[:, None] / safe
     result = _dot(offsets, offsets)
     rest = np.flatnonzero(~above_face)
-    first, second, from_first = first[rest], second[rest], from_first[rest]
-    third, from_second = second - first, from_first - first
+    from_a, edge_ac, from_first = from_a[rest], edge_ac[rest], from_first[rest]
+    third, from_second = edge_ac - from_a, from_first - from_a
     squares = [
-        _segment(from_first, first, pa[rest], aa[rest]),
-        _segment(from_first, second, pb[rest], bb[rest]),
-        _segment(from_second, third, _dot(from_second, third), _dot(third, third)),
+        _squared_segment_distances(from_first, from_a, pa[rest], aa[rest]),
+        _squared_segment_distances(from_first, edge_ac, pb[rest], bb[rest]),
+        _squared_segment_distances(from_second, third, _dot(from_second, third), _dot(third, third)),
     ]
     result[rest] = np.minimum.reduce(squares)
     return np.asarray(np.sqrt(result), dtype=np.float64)
@@ -267,7 +267,7 @@ def _cut(corners: Corners, faces: Indices, longest: float) -> tuple[Corners, Ind
     return all_corners, all_faces
 
 
-def _code(points: Points, low: Numbers, high: Numbers) -> Indices:
+def _morton_codes(points: Points, low: Numbers, high: Numbers) -> Indices:
     """Returns the position of each point along a Morton curve through the box."""
     size = np.where(high > low, high - low, 1.0)
     cells = np.minimum(((points - low) / size * 2**_CODE_BITS).astype(np.int64), 2**_CODE_BITS - 1)
@@ -277,9 +277,14 @@ def _code(points: Points, low: Numbers, high: Numbers) -> Indices:
     return np.asarray(cells[:, 0] | cells[:, 1] << 1 | cells[:, 2] << 2, dtype=np.int64)
 
 
-def _segment(points: Points, edge: Points, along: Numbers, square: Numbers) -> Numbers:
-    """Returns the squared distance of points from edges that start at the origin."""
-    share = np.clip(np.divide(along, square, out=np.zeros_like(along), where=square > 0), 0.0, 1.0)
+def _squared_segment_distances(
+    points: Points, edge: Points, along: Numbers, squared_length: Numbers
+) -> Numbers:
+    """Returns the squared distance (n,) of points (n, 3) from edges that start at the origin. `along`: dot
+    product of each point and its edge; `squared_length`: of the edge."""
+    share = np.clip(
+        np.divide(along, squared_length, out=np.zeros_like(along), where=squared_length > 0), 0.0, 1.0
+    )
     offsets = points - edge * share[:, None]
     return _dot(offsets, offsets)
 

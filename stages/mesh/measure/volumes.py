@@ -1,4 +1,4 @@
-"""Computes the volumes that a collider has too much and too little."""
+"""Computes the volume of a collider outside its part, and of the part outside the collider."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -76,7 +76,9 @@ class Cloud:
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         steps = np.arange(_POINT_COUNT)[:, None]
         points = low + (high - low) * ((0.5 + steps * np.array(_STEPS)) % 1)
-        within = np.concatenate([inside(points[some]) for some in split(np.arange(_POINT_COUNT), 1 << 13)])
+        within = np.concatenate(
+            [inside(points[indices]) for indices in split(np.arange(_POINT_COUNT), 1 << 13)]
+        )
         return Cloud(points, within, low, high)
 
     def shares(self, union: PieceUnion) -> Shares:
@@ -100,8 +102,8 @@ class Cloud:
         low, high = np.minimum(low, self.low), np.maximum(high, self.high)
         steps = np.arange(_POINT_COUNT)[:, None]
         points = low + (high - low) * ((0.5 + steps * np.array(_STEPS)) % 1)
-        out = ((points < self.low) | (points > self.high)).any(axis=1)
-        covered = union.depth(points[out]) > 0
+        is_outside = ((points < self.low) | (points > self.high)).any(axis=1)
+        covered = union.depth(points[is_outside]) > 0
         return float(covered.sum()) / _POINT_COUNT * float(np.prod(high - low))
 
 

@@ -7,7 +7,7 @@
 - neighbours: Finds the neighbours of a surface's triangles.
 - pieces: Defines the pieces of a collider, closed convex surfaces and primitives, and their common functions.
 - rays: Finds where straight lines cross a surface.
-- shells: Finds the shells of a surface (faces connected by edges), which are closed, and which contain
-  others.
+- shells: Finds the shells of a surface (faces connected by edges): which of them are closed, and which
+  contain others.
 - snapping: Moves coordinates to a grid, so that hashes and files do not depend on how a processor rounds.
 """

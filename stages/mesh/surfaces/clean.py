@@ -7,7 +7,7 @@ import scipy
 
 from linkwright.stages.formats.meshes.components import Indices, components
 from linkwright.stages.formats.meshes.surface import Surface, compacted, weld
-from linkwright.stages.mesh.surfaces.shells import Edges, Flags, Shells, turned_alike
+from linkwright.stages.mesh.surfaces.shells import Edges, Flags, Shells, orient_consistently
 
 _MIN_VOLUME_SHARE = 1e-6  # of the volume of all solids
 _FLAT_THICKNESS = 1e-6  # m, or of the size
@@ -24,7 +24,7 @@ class Cleaned:
     """Faces that span a volume but do not enclose it, or None; its users find its inside by sampling."""
 
     def bodies(self) -> tuple[Surface, ...]:
-        """Returns the surfaces that colliders are made for: the solids, then the loose surface."""
+        """Returns the surfaces for which colliders are made: the solids, then the loose surface, if any."""
         return self.solids + ((self.loose,) if self.loose else ())
 
 
@@ -39,7 +39,7 @@ def clean(surface: Surface) -> Cleaned:
     surface = _without_invalid(surface)
     if not len(surface.triangles):
         return Cleaned()
-    surface = turned_alike(_without_cracks(_without_duplicates(surface)))
+    surface = orient_consistently(_without_cracks(_without_duplicates(surface)))
     if not len(surface.triangles):
         return Cleaned()
     shells = Shells.of(surface)
@@ -83,11 +83,13 @@ def _without_duplicates(surface: Surface) -> Surface:
     # +1 if a triangle's corners are in a cyclic order of the sorted corners, else -1.
     a, b, c = surface.triangles[order].T
     sense = np.where(((a < b) & (b < c)) | ((b < c) & (c < a)) | ((c < a) & (a < b)), 1, -1)
-    net = np.bincount(group, sense).astype(np.int64)
-    majority = sense * np.sign(net[group]) > 0
-    first = np.full(len(net), len(order))
-    np.minimum.at(first, group[majority], np.flatnonzero(majority))
-    return Surface(surface.vertices, surface.triangles[np.sort(order[first[first < len(order)]])])
+    net_sense = np.bincount(group, sense).astype(np.int64)
+    majority = sense * np.sign(net_sense[group]) > 0
+    first_of_group = np.full(len(net_sense), len(order))
+    np.minimum.at(first_of_group, group[majority], np.flatnonzero(majority))
+    return Surface(
+        surface.vertices, surface.triangles[np.sort(order[first_of_group[first_of_group < len(order)]])]
+    )
 
 
 def _without_cracks(surface: Surface) -> Surface:
@@ -119,21 +121,21 @@ def _solids(shells: Shells, candidates: Indices) -> tuple[Surface, ...]:
     """Returns the solids among closed shells that have a volume."""
     holders = shells.holders(candidates)
     inwards = shells.volume < 0
-    cavity: dict[int, bool] = {}
+    is_cavity: dict[int, bool] = {}
     for shell in sorted(holders, key=lambda shell: (len(holders[shell]), shell)):
-        cavity[shell] = False
+        is_cavity[shell] = False
         if enclosing := holders[shell]:
             outermost = min(enclosing, key=lambda holder: (len(holders[holder]), holder))
             parent = max(
                 enclosing, key=lambda holder: (len(holders[holder]), -abs(shells.volume[holder]), -holder)
             )
             # Relative to the outermost shell, which may be inside out; a cavity's content is solid again.
-            cavity[shell] = bool(inwards[shell] != inwards[outermost]) and not cavity[parent]
+            is_cavity[shell] = bool(inwards[shell] != inwards[outermost]) and not is_cavity[parent]
     order = np.argsort(shells.label, kind="stable")
     bounds = np.searchsorted(shells.label[order], np.arange(len(shells.closed) + 1))
     solids = []
-    for shell in sorted(cavity, key=lambda shell: (-abs(shells.volume[shell]), shell)):
-        if not cavity[shell]:
+    for shell in sorted(is_cavity, key=lambda shell: (-abs(shells.volume[shell]), shell)):
+        if not is_cavity[shell]:
             triangles = shells.surface.triangles[np.sort(order[bounds[shell] : bounds[shell + 1]])]
             outward = triangles[:, ::-1] if inwards[shell] else triangles
             solids.append(compacted(Surface(shells.surface.vertices, outward)))
@@ -148,11 +150,11 @@ def _loose(shells: Shells, faces: Indices, drop_small: bool) -> Surface | None:
     if not len(faces):
         return None
     label = components(len(points), np.concatenate([first, second]), np.concatenate([second, third]))
-    flat = _flat(shells.surface.vertices[points], label, drop_small, shells.size.max())[label[first]]
+    flat = _are_flat(shells.surface.vertices[points], label, drop_small, shells.size.max())[label[first]]
     return None if flat.all() else compacted(Surface(shells.surface.vertices, triangles[~flat]))
 
 
-def _flat(points: np.ndarray, label: Indices, drop_small: bool, size: float) -> Flags:
+def _are_flat(points: np.ndarray, label: Indices, drop_small: bool, size: float) -> Flags:
     """Returns for each piece (k,) whether its points lie in a plane. With `drop_small`, pieces that are tiny
     beside the whole `size` count as flat."""
     count = np.bincount(label)

@@ -10,7 +10,8 @@ from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.surface import Points, Surface, compacted, weld
 
 _MIN_THICKNESS = 1e-6
-"""Smallest mean thickness of a hull that is not flat, in metres, or for small hulls in diagonals."""
+"""Hulls with a smaller mean thickness are flat: in [m], or as a share of the diagonal if that is below 1
+m."""
 
 
 def convex_hull(points: Points) -> Surface | None:

@@ -7,7 +7,7 @@ from linkwright.stages.formats.meshes.surface import Surface
 
 
 def neighbours(surface: Surface) -> npt.NDArray[np.int64]:
-    """Returns the triangle (m, 3) across each edge; edge k leads from corner k to the next.
+    """Returns the index of the triangle across each edge (m, 3); edge k leads from corner k to the next.
 
     The neighbour has the same edge in the opposite sense; without such a triangle, it is the triangle itself.
     """

@@ -92,7 +92,7 @@ def beyond_piece(piece: Piece) -> Distances:
 
     def distances(points: Points) -> npt.NDArray[np.float64]:
         parts = range(0, max(1, len(points)), step)
-        return np.concatenate([beyond(normals, heights, points[at : at + step]) for at in parts])
+        return np.concatenate([beyond(normals, heights, points[begin : begin + step]) for begin in parts])
 
     return distances
 
@@ -104,13 +104,15 @@ def signed_distance(primitive: Primitive, points: Points) -> npt.NDArray[np.floa
         return np.asarray(np.sqrt(x * x + y * y + z * z) - primitive.size[0], dtype=np.float64)
     if primitive.kind == "capsule":
         radius, length = primitive.size
-        beyond = np.maximum(np.abs(z) - length / 2, 0.0)
-        return np.asarray(np.sqrt(x * x + y * y + beyond * beyond) - radius, dtype=np.float64)
+        beyond_cap = np.maximum(np.abs(z) - length / 2, 0.0)
+        return np.asarray(np.sqrt(x * x + y * y + beyond_cap * beyond_cap) - radius, dtype=np.float64)
     if primitive.kind == "cylinder":
         radius, length = primitive.size
-        return _outside([np.sqrt(x * x + y * y) - radius, np.abs(z) - length / 2])
+        return _distance_from_product([np.sqrt(x * x + y * y) - radius, np.abs(z) - length / 2])
     lengths = primitive.size
-    return _outside([np.abs(axis) - length / 2 for axis, length in zip((x, y, z), lengths, strict=True)])
+    return _distance_from_product(
+        [np.abs(axis) - length / 2 for axis, length in zip((x, y, z), lengths, strict=True)]
+    )
 
 
 def surface_of(piece: Piece) -> Surface:
@@ -150,11 +152,11 @@ def _local(primitive: Primitive, points: Points) -> Points:
     return along(pose[:3, :3].T, points - pose[:3, 3]).T
 
 
-def _outside(beyond: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
-    """Returns the signed distance from a product of intervals, by how far each coordinate is `beyond` its
-    own."""
-    outside_distance = np.sqrt(sum(np.maximum(distance, 0.0) ** 2 for distance in beyond))
-    return np.asarray(outside_distance + np.minimum(np.maximum.reduce(beyond), 0.0), dtype=np.float64)
+def _distance_from_product(excesses: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
+    """Returns the signed distance [m] (n,) from a product of solids such as a disc and an interval.
+    `excesses`: signed distance (n,) from each of them."""
+    outside_distance = np.sqrt(sum(np.maximum(distance, 0.0) ** 2 for distance in excesses))
+    return np.asarray(outside_distance + np.minimum(np.maximum.reduce(excesses), 0.0), dtype=np.float64)
 
 
 def _box(lengths: tuple[float, ...]) -> Surface:

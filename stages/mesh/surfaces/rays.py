@@ -33,7 +33,7 @@ class Crossings:
     sign: npt.NDArray[np.int8]
     """+1 if the line, upwards, leaves through the triangle's outside, −1 if it enters."""
     above: npt.NDArray[np.bool_]
-    """Whether the crossing is above the point."""
+    """Whether each crossing is above its point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,7 +133,7 @@ class LineGrid:
         sides = [self._side(corners[:, k], corners[:, (k + 1) % 3], points_of_pairs) for k in range(3)]
         left = [side > 0 for side in sides]
         hit = np.flatnonzero((left[0] == left[1]) & (left[1] == left[2]))
-        hit = hit[self.strips.own(strips[hit], points_of_pairs[hit, :2])]
+        hit = hit[self.strips.contains(strips[hit], points_of_pairs[hit, :2])]
         corners, sides = corners[hit], [side[hit] for side in sides]
         total = sides[0] + sides[1] + sides[2]
         weights = [np.divide(side, total, out=np.full(len(total), 1 / 3), where=total != 0) for side in sides]
@@ -161,7 +161,7 @@ class _Strips:
     """Index of each strip's triangle."""
     number: Indices
     """Index of each strip among the strips of its triangle."""
-    of_all: Indices
+    counts: Indices
     """Number of strips of each triangle."""
     low: npt.NDArray[np.float64]
     high: npt.NDArray[np.float64]
@@ -182,16 +182,17 @@ class _Strips:
         starts, edge, square = corners[rows, longest], all_edges[rows, longest], squares[rows, longest]
         apex = corners[rows, (longest + 2) % 3] - starts
         square = np.where(square > 0, square, 1.0)
-        double = np.abs(edge[:, 0] * apex[:, 1] - edge[:, 1] * apex[:, 0])
-        most = np.minimum(
-            square / np.maximum(double, square / _MAX_STRIPS), np.sqrt(square) * _MAX_STRIPS_OVER_SIZE / size
+        doubled_area = np.abs(edge[:, 0] * apex[:, 1] - edge[:, 1] * apex[:, 0])
+        strip_counts = np.minimum(
+            square / np.maximum(doubled_area, square / _MAX_STRIPS),
+            np.sqrt(square) * _MAX_STRIPS_OVER_SIZE / size,
         )
-        of_all = np.maximum(most.astype(np.int64), 1)
-        owners = np.repeat(rows, of_all)
-        number = np.arange(len(owners)) - np.repeat(np.cumsum(of_all) - of_all, of_all)
+        counts = np.maximum(strip_counts.astype(np.int64), 1)
+        owners = np.repeat(rows, counts)
+        number = np.arange(len(owners)) - np.repeat(np.cumsum(counts) - counts, counts)
         edges = edge / square[:, None]
         middle = np.clip((apex * edges).sum(axis=1), 0.0, 1.0)[owners, None]
-        begin, end = number / of_all[owners], (number + 1) / of_all[owners]
+        begin, end = number / counts[owners], (number + 1) / counts[owners]
         edge, apex = edge[owners], apex[owners]
         bounds = [edge * begin[:, None], edge * end[:, None]]
         for place in (begin[:, None], end[:, None], np.clip(middle, begin[:, None], end[:, None])):
@@ -202,7 +203,7 @@ class _Strips:
         slack = 1e-9 * size
         low = np.minimum.reduce(bounds) + starts[owners] - slack
         high = np.maximum.reduce(bounds) + starts[owners] + slack
-        return _Strips(owners, number, of_all, low, high, starts, edges)
+        return _Strips(owners, number, counts, low, high, starts, edges)
 
     def near(self, strips: Indices, points: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
         """Tells whether each point (n, 2) is within the bounds of its strip (n,)."""
@@ -210,12 +211,12 @@ class _Strips:
         x, y = points.T
         return np.asarray((low[:, 0] <= x) & (x <= high[:, 0]) & (low[:, 1] <= y) & (y <= high[:, 1]))
 
-    def own(self, strips: Indices, points: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    def contains(self, strips: Indices, points: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
         """Tells whether each point (n, 2) belongs to its strip (n,), and not to another of the triangle."""
         owners = self.owners[strips]
-        place = ((points - self.starts[owners]) * self.edges[owners]).sum(axis=1)
-        count = self.of_all[owners]
-        return np.asarray(np.clip(np.floor(place * count), 0, count - 1) == self.number[strips])
+        share_of_edge = ((points - self.starts[owners]) * self.edges[owners]).sum(axis=1)
+        count = self.counts[owners]
+        return np.asarray(np.clip(np.floor(share_of_edge * count), 0, count - 1) == self.number[strips])
 
 
 def _axes(number: int) -> Points:

@@ -1,4 +1,5 @@
-"""Finds the shells of a surface (faces connected by edges), which are closed, and which contain others."""
+"""Finds the shells of a surface (faces connected by edges): which of them are closed, and which contain
+others."""
 
 from dataclasses import dataclass
 
@@ -56,20 +57,20 @@ class Edges:
         return self.faces[first], self.faces[first + 1], self.forward[first] != self.forward[first + 1]
 
 
-def turned_alike(surface: Surface) -> Surface:
+def orient_consistently(surface: Surface) -> Surface:
     """Returns the surface with all faces of a shell facing the same way, as most of them did before. A shell
     with a single side (a Möbius strip) stays unchanged.
 
     Each face has two copies, one of them turned. Copies of neighbouring faces are connected if they face the
     same way; the copies that are connected to a shell's first face are one consistent way to turn the shell.
     """
-    first, second, agreeing = Edges.of(surface).pairs()
+    first, second, agree = Edges.of(surface).pairs()
     count = len(surface.triangles)
-    if agreeing.all():
+    if agree.all():
         return surface
     shells = components(count, first, second)
-    same_side = np.where(agreeing, second, second + count)
-    other_side = np.where(agreeing, second + count, second)
+    same_side = np.where(agree, second, second + count)
+    other_side = np.where(agree, second + count, second)
     copies = components(
         2 * count, np.concatenate([first, first + count]), np.concatenate([same_side, other_side])
     )
@@ -127,31 +128,33 @@ class Shells:
         high = np.maximum.reduceat(corners.max(axis=1), starts)
         return Shells(surface, label, closed, volume, area, np.linalg.norm(high - low, axis=1))
 
-    def holders(self, chosen: Indices) -> dict[int, list[int]]:
-        """Returns for each of the `chosen` closed shells the other chosen shells that contain it, judged by
-        three of its vertices."""
-        if len(chosen) < 2:
-            return {int(shell): [] for shell in chosen}
+    def holders(self, candidates: Indices) -> dict[int, list[int]]:
+        """Returns for each of the `candidates` closed shells the other chosen shells that contain it, judged
+        by three of its vertices."""
+        if len(candidates) < 2:
+            return {int(shell): [] for shell in candidates}
         rank = np.full(len(self.closed), -1)
-        rank[chosen] = np.arange(len(chosen))
+        rank[candidates] = np.arange(len(candidates))
         faces = np.flatnonzero(rank[self.label] >= 0)
         part = Surface(self.surface.vertices, self.surface.triangles[faces])
         shell = rank[self.label[faces]]
-        points = self.surface.vertices[part.triangles[_three_faces(shell, len(chosen)), 0].ravel()]
+        points = self.surface.vertices[part.triangles[_three_faces(shell, len(candidates)), 0].ravel()]
         keys, sums = [], []
         for crossings in LineGrid.of(part).crossings(points):
             of_other_shell = shell[crossings.triangles] != crossings.points // 3
-            keys.append((crossings.points * len(chosen) + shell[crossings.triangles])[of_other_shell])
+            keys.append((crossings.points * len(candidates) + shell[crossings.triangles])[of_other_shell])
             sums.append(np.where(crossings.above, crossings.sign, -crossings.sign)[of_other_shell])
         pair_keys, member = np.unique(np.concatenate([*keys, np.zeros(0, np.int64)]), return_inverse=True)
-        twice = np.bincount(member.ravel(), np.concatenate([*sums, np.zeros(0, np.int8)]), len(pair_keys))
-        holding = pair_keys[np.abs(twice) >= 2]
+        winding = np.bincount(member.ravel(), np.concatenate([*sums, np.zeros(0, np.int8)]), len(pair_keys))
+        # The vertical line through a vertex leaves a shell around it once above and once below, counted
+        # senses.
+        holding = pair_keys[np.abs(winding) >= 2]
         pairs, hits = np.unique(
-            holding // len(chosen) // 3 * len(chosen) + holding % len(chosen), return_counts=True
+            holding // len(candidates) // 3 * len(candidates) + holding % len(candidates), return_counts=True
         )
-        holders: dict[int, list[int]] = {int(shell): [] for shell in chosen}
+        holders: dict[int, list[int]] = {int(shell): [] for shell in candidates}
         for pair in pairs[hits == 3].tolist():
-            holders[int(chosen[pair // len(chosen)])].append(int(chosen[pair % len(chosen)]))
+            holders[int(candidates[pair // len(candidates)])].append(int(candidates[pair % len(candidates)]))
         return holders
 
 

@@ -16,7 +16,8 @@ def grid(size: float) -> float:
 
 
 def on_grid(points: Points, pitch: float) -> Points:
-    """Returns the points (n, 3), each moved to the nearest node of the grid."""
+    """Returns the points (n, 3), each moved to the nearest node of the grid; + 0.0 makes -0.0 equal to
+    0.0."""
     return np.rint(points / pitch) * pitch + 0.0 if pitch > 0 else points + 0.0
 
 

@@ -16,7 +16,7 @@ from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Geometry, Role, Shape
-from linkwright.stages.show.raster import Corners, Pixels, drawn, work
+from linkwright.stages.show.raster import Corners, Pixels, picture_of_triangles, work
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo
@@ -66,7 +66,7 @@ def pictures(geometry: Geometry, memo: Memo) -> bytes:
     links_off_tolerance = {figures.link for figures in geometry.colliders if not figures.meets}
     images, size = dict[str, bytes](), 0
     for link in sorted(links, key=lambda link: link not in links_off_tolerance):
-        image = _remembered(shapes[link], geometry.files, memo)
+        image = _cached_picture(shapes[link], geometry.files, memo)
         if image and size + len(image) <= MAX_BYTES:
             images[link] = image
             size += len(image)
@@ -80,7 +80,7 @@ def pictures(geometry: Geometry, memo: Memo) -> bytes:
     return orjson.dumps(table)
 
 
-def _remembered(shapes: Sequence[Shape], files: Mapping[str, bytes], memo: Memo) -> bytes:
+def _cached_picture(shapes: Sequence[Shape], files: Mapping[str, bytes], memo: Memo) -> bytes:
     """Returns the picture of a link from the cache; b"" if drawing takes too much work."""
     digests = {shape.file: sha256(files[shape.file]).hexdigest() for shape in shapes if shape.file}
     key: list[Any] = [
@@ -106,13 +106,15 @@ def picture(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> bytes:
     if sum(work(corners) for corners, _ in halves_in_pixels) > MAX_WORK:
         return b""
     halves = [
-        _smoothed(drawn(corners, colours, _BACKGROUND, fine_side)) for corners, colours in halves_in_pixels
+        _smoothed(picture_of_triangles(corners, colours, _BACKGROUND, fine_side))
+        for corners, colours in halves_in_pixels
     ]
     return png.encode(np.concatenate(halves, axis=1))
 
 
 def _viewed(shapes: Sequence[Shape], files: Mapping[str, bytes], role: Role) -> tuple[Corners, Pixels]:
-    """Returns the triangles of a role in the viewer's frame (right, up, towards) [m], and their colours."""
+    """Returns the triangles (m, 3, 3) of the shapes of a role in the viewer's frame (right, up, towards) [m],
+    and their colours (m, 3)."""
     corners: list[Corners] = [np.zeros((0, 3, 3))]
     colours = [np.zeros((0, 3), dtype=np.uint8)]
     role_shapes = [shape for shape in shapes if shape.role == role]

@@ -10,10 +10,10 @@ from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.error import hausdorff_bound
 from linkwright.stages.robot.model.robot import MeshRef
-from linkwright.stages.show.decimate import Simplifiable, lowest
+from linkwright.stages.show.decimate import Simplifiable, lowest_level
 
 MIN_BOUND = 2e-4
-"""Error [m] that any part may have, however small it is."""
+"""Error [m] that every part may have, however small the part is."""
 
 BOUND_SHARE = 3e-3
 """Error that a part may have, as a share of its diagonal, if that is more."""
@@ -73,14 +73,14 @@ class Decimator:
             self._last_level.setdefault(ref, -1 if meshes[ref].textures else _levels(meshes[ref].surface) - 1)
 
         def faces_at(level: int) -> int:
-            triangles = (len(self._at(ref, meshes[ref], level).surface.triangles) for ref in counts)
+            triangles = (len(self._at_level(ref, meshes[ref], level).surface.triangles) for ref in counts)
             return sum(number * count for number, count in zip(triangles, counts.values(), strict=True))
 
         while True:
-            level = lowest(1 + max(self._last_level[ref] for ref in counts), faces_at, max_triangles)
-            decimated_parts = {ref: self._at(ref, meshes[ref], level) for ref in counts}
+            level = lowest_level(1 + max(self._last_level[ref] for ref in counts), faces_at, max_triangles)
+            decimated_parts = {ref: self._at_level(ref, meshes[ref], level) for ref in counts}
             # Not `all` over a generator: all parts that are too far away get a lower level at once.
-            within_bounds = [self._holds(ref, meshes[ref], level) for ref in counts]
+            within_bounds = [self._check_bound(ref, meshes[ref], level) for ref in counts]
             if all(within_bounds):
                 break
         # Simplifiable parts are large, and seldom of use for another link.
@@ -90,13 +90,13 @@ class Decimator:
         error = max(self._errors.get((ref, min(level, self._last_level[ref])), 0.0) for ref in counts)
         return {**meshes, **decimated_parts}, Decimation(before, after, error, after > max_triangles)
 
-    def lighter(self, ref: MeshRef, mesh: PartMesh, moved: float) -> PartMesh:
+    def decimated(self, ref: MeshRef, mesh: PartMesh, moved: float) -> PartMesh:
         """Returns the part with fewer triangles, its surface moved by at most about `moved` [m]; the part
         itself if it cannot have fewer."""
         # A surface moves up to twice as far as the tolerance.
         return self._part_at(ref, mesh, int(math.log2(moved / 2 / _FIRST_TOLERANCE))) or mesh
 
-    def _at(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh:
+    def _at_level(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh:
         """Returns the part at a level, or at its last level; the part itself if it has no levels."""
         level = min(level, self._last_level[ref])
         if level < 0:
@@ -127,8 +127,9 @@ class Decimator:
             )
         return self._simplifiables[ref, coarse]
 
-    def _holds(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
-        """Tells whether the part is within its bound at a level; if not, lowers the part's last level."""
+    def _check_bound(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
+        """Tells whether the part is within its bound of error at a level; if not, lowers the part's last
+        level."""
         level = min(level, self._last_level[ref])
         if level < 0:
             return True
@@ -139,7 +140,7 @@ class Decimator:
         return False
 
     def _error(self, ref: MeshRef, mesh: PartMesh, level: int) -> float:
-        decimated = self._at(ref, mesh, level)
+        decimated = self._at_level(ref, mesh, level)
         if (ref, level) not in self._errors:
             largest = bound(mesh.surface)
             self._errors[ref, level] = (
@@ -150,10 +151,10 @@ class Decimator:
         return self._errors[ref, level]
 
 
-def simplified(mesh: PartMesh, solid: Simplifiable, tolerance: float) -> PartMesh | None:
+def simplified(mesh: PartMesh, simplifiable: Simplifiable, tolerance: float) -> PartMesh | None:
     """Returns the part with its surface moved by at most about `tolerance` [m]; None if that is
     impossible."""
-    result = solid.simplified(tolerance)
+    result = simplifiable.simplified(tolerance)
     return result and replace(mesh, surface=result[0], colours=result[1])
 
 

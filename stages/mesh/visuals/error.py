@@ -1,4 +1,4 @@
-"""Measures how far two surfaces are from each other, at many points of both."""
+"""Measures the largest distance between two surfaces, at many points of both."""
 
 import numpy as np
 

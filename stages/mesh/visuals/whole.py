@@ -27,13 +27,13 @@ def with_glb(geometry: Geometry, links: Iterable[str], up: glb.Up) -> Geometry:
         content = tuple((shape.file, shape.colour, shape.texture) for shape in meshes)
         name = first_names.setdefault(content, f"{names[link]}{SUFFIX}")
         if name not in glbs:
-            glbs[name] = glb.write([_piece(shape, geometry.files) for shape in meshes], up)
-        link_shapes.append(_joined(link, name, meshes))
+            glbs[name] = glb.write([_glb_piece(shape, geometry.files) for shape in meshes], up)
+        link_shapes.append(_whole_shape(link, name, meshes))
     files = dict(sorted(({**geometry.files, **glbs}).items()))
     return replace(geometry, files=files, whole_visuals=tuple(link_shapes))
 
 
-def _piece(shape: Shape, files: Mapping[str, bytes]) -> glb.Piece:
+def _glb_piece(shape: Shape, files: Mapping[str, bytes]) -> glb.Piece:
     file = str(shape.file)
     faces = mesh_faces(file, files[file])
     texcoords = None if faces.texcoords is None else faces.texcoords.astype(np.float32)
@@ -41,8 +41,9 @@ def _piece(shape: Shape, files: Mapping[str, bytes]) -> glb.Piece:
     return glb.Piece(Surface(faces.points, faces.triangles, texcoords), shape.colour or NEUTRAL, image)
 
 
-def _joined(link: str, file: str, meshes: Sequence[Shape]) -> Shape:
-    """Returns the shape of all meshes together. It has no colour, since its file has the colours."""
+def _whole_shape(link: str, file: str, meshes: Sequence[Shape]) -> Shape:
+    """Returns the shape of a link's GLB `file`, with the sums of the meshes' figures. It has no colour, since
+    its file has the colours."""
     bounds = np.array([shape.bounds for shape in meshes])
     low, high = bounds[:, :3].min(axis=0), bounds[:, 3:].max(axis=0)
     return Shape(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.mesh import part_mesh
-from linkwright.stages.mesh.com_check import outside
+from linkwright.stages.mesh.com_check import distance_outside_hull
 from linkwright.stages.mesh.surfaces.pieces import enclosing_points
 from linkwright.stages.robot.model.robot import Inertial, Primitive, frozen
 from tests.support.touching import Memory
@@ -117,7 +117,7 @@ def test_report_comes_from_the_cache_and_by_the_mass_of_today(monkeypatch):
 )
 def test_distance_from_a_hull(points, point, distance):
     turned = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-    distances = outside(points @ turned.T + 3, turned @ np.array(point) + 3)
+    distances = distance_outside_hull(points @ turned.T + 3, turned @ np.array(point) + 3)
     assert distances == pytest.approx(distance, abs=1e-6)
 
 
@@ -125,8 +125,12 @@ def test_distance_from_a_hull_of_many_points_is_by_all_of_them():
     """Inside and out, on a ball of which every fifth point is tried first."""
     points = np.random.default_rng(1).normal(size=(50_000, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True)
-    assert outside(points, np.array([0.9, 0, 0])) == outside(points, np.array([0, 0.9995, 0])) == 0
-    assert outside(points, np.array([0, 0, 1.5])) == pytest.approx(0.5, abs=1e-3)
+    assert (
+        distance_outside_hull(points, np.array([0.9, 0, 0]))
+        == distance_outside_hull(points, np.array([0, 0.9995, 0]))
+        == 0
+    )
+    assert distance_outside_hull(points, np.array([0, 0, 1.5])) == pytest.approx(0.5, abs=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["box", "sphere", "cylinder", "capsule"])

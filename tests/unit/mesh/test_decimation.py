@@ -21,7 +21,7 @@ from linkwright.stages.mesh.visuals.error import farthest, hausdorff_bound
 from linkwright.stages.mesh.visuals.make import DrawnPart, make_visuals
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
 from linkwright.stages.robot.model.robot import MeshRef
-from linkwright.stages.show.decimate import SNAP, Simplifiable, lowest
+from linkwright.stages.show.decimate import SNAP, Simplifiable, lowest_level
 from tests.support.places import PROJECT
 from tests.support.solids import of_mesh
 
@@ -176,7 +176,7 @@ def test_neighbours_are_across_an_edge_in_the_opposite_sense():
 def test_lowest_level_is_that_of_a_plain_search(falls, most):
     counts = np.cumsum([0, *falls])[::-1].tolist()
     plain = next((level for level, count in enumerate(counts) if count <= most), len(counts))
-    assert lowest(len(counts), counts.__getitem__, most) == plain
+    assert lowest_level(len(counts), counts.__getitem__, most) == plain
 
 
 def test_colour_that_is_gone_is_infinitely_far():

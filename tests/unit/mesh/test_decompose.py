@@ -14,7 +14,7 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
 from linkwright.stages.mesh.colliders import coacd as collider
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import Search, decomposed, search
+from linkwright.stages.mesh.decompose import Search, convex_pieces, search
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, grown
 from linkwright.stages.mesh.measure import Target
@@ -108,7 +108,7 @@ def test_bowl_stays_open():
 
 
 def corners(surface):
-    return [piece.vertices.tolist() for piece in decomposed(surface, TOLERANCE, Search())]
+    return [piece.vertices.tolist() for piece in convex_pieces(surface, TOLERANCE, Search())]
 
 
 @pytest.mark.slow

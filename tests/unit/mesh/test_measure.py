@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.formats.meshes.surface import Surface, moved, weld
-from linkwright.stages.mesh.measure import Target, hopeless, measure, near
+from linkwright.stages.mesh.measure import Target, is_hopeless, is_near, measure
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import placed, surface_of
 from linkwright.stages.robot.model.robot import Primitive
@@ -220,7 +220,7 @@ def test_place_and_size_do_not_matter(seed, scale):
 @pytest.mark.parametrize("far", [-0.02, -0.011, -0.005, 0.0, 0.009, 0.011, 0.02])
 def test_pieces_are_hopeless_exactly_where_they_miss_the_tolerance_by_far(far):
     piece = box(1 + 2 * far, 1 + 2 * far, 1 + 2 * far)
-    assert hopeless(Target.of(box(1, 1, 1)), [piece], 0.01) == (abs(far) > 0.01)
+    assert is_hopeless(Target.of(box(1, 1, 1)), [piece], 0.01) == (abs(far) > 0.01)
 
 
 @pytest.mark.slow
@@ -229,7 +229,7 @@ def test_pieces_are_hopeless_exactly_where_they_miss_the_tolerance_by_far(far):
 def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
     random = np.random.default_rng(seed)
     target, pieces = Target.of(random_part(random)), random_hulls(random, count)
-    if hopeless(target, pieces, tolerance):
+    if is_hopeless(target, pieces, tolerance):
         measures = measure(target, pieces)
         worst = max(measures.bareness_max, measures.protrusion_p95, measures.protrusion_max / 3)
         assert worst > 0.98 * tolerance
@@ -247,9 +247,9 @@ def test_near_agrees_with_measure(seed, count, three_times):
     worst = max(measures.bareness_max, measures.protrusion_p95, measures.protrusion_max / times)
     spare = 2 * WITHIN * target.diagonal
     above, below = 1.05 * worst + spare, 0.95 * worst - spare
-    assert near(target, pieces, above, times * above)
+    assert is_near(target, pieces, above, times * above)
     if below > 0:
-        assert not near(target, pieces, below, times * below)
+        assert not is_near(target, pieces, below, times * below)
 
 
 @pytest.mark.parametrize(
@@ -257,7 +257,7 @@ def test_near_agrees_with_measure(seed, count, three_times):
 )
 def test_pieces_that_reach_too_far_or_leave_too_much_bare_are_not_near(beyond, bare, expected):
     piece = box(1 + beyond - bare, 1, 1, at=((beyond + bare) / 2, 0, 0))
-    assert near(Target.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
+    assert is_near(Target.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
 
 
 @pytest.mark.slow

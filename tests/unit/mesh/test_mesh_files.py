@@ -10,7 +10,7 @@ import trimesh
 
 from linkwright.stages.formats.meshes.surface import Surface, moved, rounded
 from linkwright.stages.formats.xml import parse
-from linkwright.stages.mesh.assets import converted, surface
+from linkwright.stages.mesh.assets import convert_assets, surface
 from linkwright.stages.mesh.files import mesh_file, obj, stl
 from linkwright.stages.mesh.files.mesh_file import collider, visuals
 from linkwright.stages.mesh.files.names import file_names, part_words
@@ -217,12 +217,14 @@ def test_meshes_that_differ_in_colour_only_are_one_but_for_a_texture():
     ]
     files = dict.fromkeys(names[:3], data) | {"c.stl": stl.write(lump(2))}
     section = plan_of().mesh
-    (result, kept), _ = converted(shapes, files, section)
+    (result, kept), _ = convert_assets(shapes, files, section)
     assert [shape.file for shape in result] == ["b.stl", "b.stl", "b.stl", "c.stl"]
     assert kept == {"b.stl": data, "c.stl": files["c.stl"]}
     assert [shape.colour for shape in result] == colours
     dressed = [replace(shape, texture="wood.png") for shape in shapes[1:3]]
     textured = {"b.stl": obj.write(lump(1)), "a.stl": obj.write(lump(1)), "wood.png": b"PNG"}
-    (result, kept), _ = converted([*dressed, replace(dressed[0], link="d", file="a.stl")], textured, section)
+    (result, kept), _ = convert_assets(
+        [*dressed, replace(dressed[0], link="d", file="a.stl")], textured, section
+    )
     assert [shape.file for shape in result] == ["b.obj", "a.obj", "b.obj"]
     assert sorted(kept) == ["a.mtl", "a.obj", "b.mtl", "b.obj", "wood.png"]

@@ -12,7 +12,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Loop, Robot, Value
 from linkwright.stages.robot.motion.loops import POINTWISE
-from linkwright.stages.robot.text.globs import yaml_key, matches_glob
+from linkwright.stages.robot.text.globs import matches_glob, yaml_key
 
 LOCKED_PLAY = 1e-6
 """Half the range [rad or m] of a dof whose limits are equal: to MuJoCo an empty range means no limit."""

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from linkwright.stages.formats.meshes.surface import Surface
-from linkwright.stages.mesh.by_contact.ends import fitted_end
+from linkwright.stages.mesh.by_contact.ends import fit_end
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings
 from linkwright.stages.mesh.cut.chunk import engine_hull, hull_chunk
 from linkwright.stages.mesh.cut.cutting import cut_by_plane
-from linkwright.stages.mesh.cut.outside import Outside
+from linkwright.stages.mesh.cut.outside import ReachableSurface
 from linkwright.stages.mesh.cut.planes import crossing, flat_faces, through
 from linkwright.stages.robot.contact.clearance import engine
 from tests.support.robots import at, pose
@@ -98,13 +98,13 @@ def shell(mouth):
 
 @pytest.mark.parametrize(("mouth", "expected"), [(0.1, 0.05), (0.06, 0.05), (0.006, 0.0)])
 def test_hollow_counts_where_a_ball_gets_in(mouth, expected):
-    middle, away = Outside.of(shell(mouth), 0.005).distances(np.array([[0, 0, 0.0], [0, 0, 0.25]]))
+    middle, away = ReachableSurface.of(shell(mouth), 0.005).distances(np.array([[0, 0, 0.0], [0, 0, 0.25]]))
     assert middle == pytest.approx(expected, abs=1e-4)
     assert away == pytest.approx(0.2 if mouth < 0.05 else np.hypot(0.2, mouth / 2), abs=1e-3)
 
 
 def test_inside_of_a_solid_counts_for_nothing():
-    outside = Outside.of(box(0.1, 0.1, 0.1), 0.003)
+    outside = ReachableSurface.of(box(0.1, 0.1, 0.1), 0.003)
     assert not outside.distances(np.random.default_rng(0).uniform(-0.045, 0.045, (100, 3))).any()
     assert outside.distances(np.array([[0.08, 0, 0]])) == pytest.approx([0.03], abs=1e-5)
 
@@ -113,10 +113,10 @@ def test_hull_of_a_corner_stands_out_by_its_slant():
     """The hull of an L of 100 by 100 by 20 mm, walls of 20 mm: its slanted face is at most √2·40 mm out."""
     parts = [trimesh.creation.box(bounds=[(0, 0, 0), (a, b, 0.02)]) for a, b in ((0.1, 0.02), (0.02, 0.1))]
     ell = of_mesh(trimesh.boolean.union(parts, engine="manifold"))
-    outside = Outside.of(ell, 0.002)
+    outside = ReachableSurface.of(ell, 0.002)
 
     def most(*sides):
-        return outside.standing_out([outside.sampled(hull_chunk(side, 64, 0).piece) for side in sides]).most
+        return outside.protrusion([outside.sampled(hull_chunk(side, 64, 0).piece) for side in sides]).most
 
     assert most(ell) == pytest.approx(0.04, abs=2e-3)  # from the middle of the slant to the nearest wall
     assert most(*cut_by_plane(ell, np.array([1.0, 0, 0]), 0.02)) < 1e-5
@@ -135,7 +135,7 @@ def test_bareness_of_an_end_is_measured():
     whole, up = box(0.04, 0.04, 0.08), np.array([0.0, 0, 1])
     upper, lower = cut_by_plane(whole, up, 0.02)[1], cut_by_plane(whole, up, -0.02)[0]
     pieces = [hull_chunk(side, 64, 0) for side in (upper, lower)]
-    _, end = fitted_end(whole, [pieces], ContactSettings())
+    _, end = fit_end(whole, [pieces], ContactSettings())
     assert end.meets
     assert (end.measures.extra, end.measures.missing) == pytest.approx((0.0, 0.5), abs=1e-4)
     assert end.measures.bareness_max == pytest.approx(0.02, abs=2e-4)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.show.preview import solids
-from linkwright.stages.show.preview.camera import _FILLED, framing, turned
+from linkwright.stages.show.preview.camera import _MAX_FILLED_SHARE, framing, turned
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
 from linkwright.stages.show.preview.thinning import merge_details
@@ -133,10 +133,10 @@ def test_points_fill_the_picture_along_an_axis_and_are_in_its_middle(direction, 
     low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
     assert (np.abs(low + high - SIZE) <= 0.01 * SIZE + 40).all()
     shares = np.maximum(high - SIZE / 2, SIZE / 2 - low) / (SIZE / 2)
-    assert shares.max() == pytest.approx(_FILLED, rel=1e-9)
+    assert shares.max() == pytest.approx(_MAX_FILLED_SHARE, rel=1e-9)
     # Along the axis that is filled both edges are touched.
     axis = shares.argmax()
-    edges = SIZE[axis] * (1 - _FILLED) / 2, SIZE[axis] * (1 + _FILLED) / 2
+    edges = SIZE[axis] * (1 - _MAX_FILLED_SHARE) / 2, SIZE[axis] * (1 + _MAX_FILLED_SHARE) / 2
     assert (low[axis], high[axis]) == pytest.approx(edges, abs=1e-6)
 
 
