@@ -90,6 +90,14 @@ def poses(header, qpos):
     return placed
 
 
+def frames_of(header, qpos, loop):
+    """The places (3,) and orientations (4,) of the two frames of a loop in the world."""
+    where = poses(header, qpos)
+    for body, frame in zip(loop["bodies"], (loop["a_from"], loop["b_from"]), strict=True):
+        place, turn = where[body]
+        yield place + turned(turn, np.array(frame["pos"])), times(turn, np.array(frame["quat"]))
+
+
 def triangles(header, content, mesh):
     """The corners (m, 3, 3) of a mesh of the pack."""
     entry = header["meshes"][mesh]

@@ -75,13 +75,13 @@ def incomplete(source, arguments=3):
     ]
 
 
-def test_the_table_is_complete_and_in_order_and_the_readme_leads_to_it():
+def test_table_is_complete_in_order_and_linked_in_the_readme():
     codes = [code for code, *_ in written()]
     assert codes == sorted(spoken(), key=lambda code: ("EWI".index(code[0]), code))
     assert "stages/DIAGNOSTICS.md" in (PROJECT / "README.md").read_text()
 
 
-def test_the_table_of_checks_is_complete_and_in_order():
+def test_table_of_checks_is_complete_and_in_order():
     files = [file for name in ("pipeline", "stages") for file in (PROJECT / name).rglob("*.py")]
     codes = [code for code, *_ in written("CHECKS.md")]
     assert codes == sorted({code for file in files for code in CHECK.findall(file.read_text())})
@@ -92,7 +92,7 @@ def test_the_table_of_checks_is_complete_and_in_order():
     assert "stages/CHECKS.md" in (PROJECT / "README.md").read_text()
 
 
-def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do():
+def test_row_says_its_place_its_meaning_and_what_to_do():
     said = spoken()
     for code, place, meaning, remedy in written():
         # The sink of diagnostics and the targets report for the stages that the row names.
@@ -101,7 +101,7 @@ def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do():
         assert len(remedy) > 5 or remedy == "–", code
 
 
-def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint():
+def test_every_error_and_warning_has_a_place_and_a_hint():
     lacking, seen = [], set()
     for file in sorted((PROJECT / "stages").rglob("*.py")):
         source = file.read_text()
@@ -126,7 +126,7 @@ def test_what_lacks_a_place_or_a_hint_is_found():
 
 
 @pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])
-def test_a_relation_is_corrected_where_it_was_said(kind, place):
+def test_relation_is_corrected_where_it_was_said(kind, place):
     log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
     dof_relations(robot, [RelationSpec("Gear", kind, ("r1", "gone"), 1.0, 0.0, False)], log)

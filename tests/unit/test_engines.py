@@ -39,7 +39,7 @@ def test_mujoco_is_held_against_itself_and_holds(built):
     assert {row.version for row in rows} == {mujoco.__version__}
 
 
-def test_a_heavier_arm_is_told_by_its_masses_but_not_by_its_poses(built, tmp_path):
+def test_heavier_arm_is_told_by_its_masses_but_not_by_its_poses(built, tmp_path):
     other = tmp_path / "other"
     shutil.copytree(built, other)
     spec = mujoco.MjSpec.from_file(str(other / "robot.xml"))
@@ -53,7 +53,7 @@ def test_a_heavier_arm_is_told_by_its_masses_but_not_by_its_poses(built, tmp_pat
     assert holds["urdf", "masses"]
 
 
-def test_a_driver_that_fails_is_a_row(built):
+def test_driver_that_fails_is_a_row(built):
     (row,) = driven(Engine("none", "pybullet", ()), Path(sys.executable), "pendulum", built)
     assert row.wrong
     assert "pybullet" in row.said
@@ -73,7 +73,7 @@ def test_every_engine_has_its_driver_and_a_name_of_its_own():
     assert len({engine.name for engine in ENGINES}) == len(ENGINES)
 
 
-def test_the_command_names_the_engines_and_refuses_others():
+def test_command_names_the_engines_and_refuses_others():
     command = [sys.executable, "-m", "tests.engines", "no_engine"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=PROJECT)
     assert done.returncode == 2

@@ -91,7 +91,7 @@ def test_no_room_has_more_modules_than_can_be_seen_at_once():
     assert {room: count for room, count in counts.items() if count > FLAT} == {}
 
 
-def test_the_face_of_a_large_room_lists_its_modules():
+def test_face_of_a_large_room_lists_its_modules():
     missing = {}
     for room, inside in rooms().items():
         text = (room / "__init__.py").read_text(encoding="utf-8")
@@ -133,7 +133,7 @@ def functions():
     ]
 
 
-def test_no_function_is_longer_than_a_screen_or_has_too_many_parameters():
+def test_function_fits_a_screen_and_has_few_parameters():
     problems = {}
     for name, node in functions():
         lines, spec = node.end_lineno - node.lineno + 1, node.args
@@ -199,7 +199,7 @@ def test_only_the_room_of_onshape_knows_its_rest_api(words):
     assert [name for name in speakers if not (PROJECT / Path(*name.split("."))).is_relative_to(room)] == []
 
 
-def test_the_picture_of_the_floors_is_that_of_the_imports():
+def test_picture_of_the_floors_is_that_of_the_imports():
     assert floors.PICTURE.read_text(encoding="utf-8") == floors.picture(), "python -m tests.support.floors"
 
 

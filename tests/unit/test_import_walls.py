@@ -87,7 +87,7 @@ def breaches(path, source):
 
 
 @pytest.mark.parametrize("path", modules(), ids=lambda path: path.relative_to(PROJECT).as_posix())
-def test_a_module_keeps_within_the_walls(path):
+def test_module_keeps_within_the_walls(path):
     assert breaches(path, path.read_text()) == []
 
 
@@ -130,7 +130,7 @@ def test_one_room_compiles_models_and_looks_names_up():
     ("pipeline/run/build.py", "from stages.robot.model import Robot"),
     ("pipeline/x.py", "import conf"),
 ])  # fmt: skip
-def test_a_breach_is_found(place, line):
+def test_breach_is_found(place, line):
     assert len(breaches(PROJECT / place, line)) == 1
 
 
@@ -155,7 +155,7 @@ def test_what_is_allowed_is_let_through(place, line):
     assert breaches(PROJECT / place, line) == []
 
 
-def test_tests_import_the_product_by_the_names_that_are_installed():
+def test_tests_import_the_product_by_installed_names():
     """In a checkout the folders can be imported too, as other modules than those of `linkwright`."""
     bare = re.compile(rf"^\s*(from|import) ({'|'.join(ROOMS)})\b", re.MULTILINE)
     tests = (PROJECT / "tests").rglob("*.py")

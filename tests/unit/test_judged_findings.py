@@ -32,18 +32,18 @@ def verdicts(tmp_path, model, code, level, *findings, text=TEXT):
     ("more/a.xml", "C-START", "warning", [None, None]),
     ("more/b.xml", "C-START", "warning", [False, False]),
 ])  # fmt: skip
-def test_a_finding_is_judged_by_model_code_level_and_line(model, code, level, expected, tmp_path):
+def test_finding_is_judged_by_model_code_level_and_line(model, code, level, expected, tmp_path):
     by_number = verdicts(tmp_path, model, code, level, FINGER, PALM)
     assert [true for _, true in by_number] == expected
     assert by_number[0][0] == 'link "finger" ixx: too much'
 
 
-def test_a_check_without_findings_is_judged_by_its_detail(tmp_path):
+def test_check_without_findings_is_judged_by_its_detail(tmp_path):
     assert verdicts(tmp_path, "a.xml", "C-START", "warning") == [("some words", False)]
 
 
 @pytest.mark.parametrize("ending", ["", ", true_since: yes it is, false_since: no it is not"])
-def test_a_judgement_says_one_thing(ending, tmp_path):
+def test_judgement_says_one_thing(ending, tmp_path):
     text = "C-START error:\n- {models: '*'" + ending + "}\n"
     with pytest.raises(ValueError, match="either true or false"):
         verdicts(tmp_path, "a.xml", "C-START", "error", text=text)

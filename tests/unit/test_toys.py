@@ -83,7 +83,7 @@ def tree(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree):
+def test_source_is_a_folder_a_line_an_option_and_its_golden(tree):
     tree.add("stages/fetch/toy/__init__.py", '"""A chain of links that no file describes."""\n')
     tree.add(
         "stages/fetch/toy/section.py",
@@ -156,7 +156,7 @@ class ToySource(Source):
 
 
 @pytest.mark.slow
-def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree):
+def test_format_is_a_folder_a_line_an_option_and_its_golden(tree):
     tree.add("stages/export/toy/__init__.py", '"""A list of the links, and of the files of the URDF."""\n')
     tree.add(
         "stages/export/toy/section.py",
@@ -213,7 +213,7 @@ class ToyWriter:
     assert not list(output.glob("*.urdf"))
 
 
-def test_a_check_is_a_file_and_a_line(tree):
+def test_check_is_a_file_and_a_line(tree):
     tree.add(
         "stages/validate/checks/toy.py",
         '''"""The robot is light."""
@@ -393,7 +393,7 @@ print(json.dumps({
 """
 
 
-def test_the_proof_of_a_format_is_a_reader_and_a_line(tree):
+def test_proof_of_a_format_is_a_reader_and_a_line(tree):
     """The reader says what a file has, and is below 200 lines; what it must have is compared already."""
     assert len(READER.splitlines()) < 200
     tree.add("stages/validate/read/toy.py", READER)
@@ -431,7 +431,7 @@ print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]
 
 
 @pytest.mark.slow
-def test_a_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree):
+def test_fact_of_the_robot_is_a_field_and_a_line_of_each_writer(tree):
     """The density of a link's material, which reaches robot.json and is read back, the MJCF and the page."""
     tree.add_line(
         "stages/robot/model/robot.py",

@@ -20,10 +20,10 @@ def test_no_room_has_more_of_them(kind, now):
 @pytest.mark.parametrize(
     "text", ["Of a link.", "So many jobs.", "What is left.", "None without actuators.", "For who calls it."]
 )
-def test_an_opening_is_seen(text):
+def test_opening_is_seen(text):
     assert OPENING.match(text)
     assert not OPENING.match(f"The links. {text}")
 
 
-def test_a_stumble_is_seen():
+def test_stumble_is_seen():
     assert len(STUMBLES.findall("A force is none; parts, of which so many stay, but for screws.")) == 4

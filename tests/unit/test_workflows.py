@@ -21,11 +21,11 @@ def release():
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
-def test_a_workflow_has_pinned_actions_and_no_permission_unasked(path):
+def test_workflow_has_pinned_actions_and_no_permission_unasked(path):
     check_workflow(path)
 
 
-def test_only_the_job_that_publishes_may_ask_for_a_token_of_identity():
+def test_job_that_publishes_may_alone_ask_for_a_token():
     rights = {name: job["permissions"] for name, job in release().items()}
     assert rights == {"build": {"contents": "read"}, "publish": {"id-token": "write"}}
     # What it publishes is what the other job built, checked and kept; it runs no code of the project.
@@ -44,7 +44,7 @@ def test_only_the_job_that_publishes_may_ask_for_a_token_of_identity():
     ],
     ids=["right", "another version", "no section"],
 )  # fmt: skip
-def test_a_release_whose_tag_is_not_its_version_is_refused(tmp_path, tag, changelog, words):
+def test_release_whose_tag_is_not_its_version_is_refused(tmp_path, tag, changelog, words):
     script = next(step["run"] for step in release()["build"]["steps"] if "tag" in step.get("name", ""))
     (tmp_path / "CHANGELOG.md").write_text(changelog)
     (tmp_path / "pyproject.toml").write_text((PROJECT / "pyproject.toml").read_text())
@@ -57,7 +57,7 @@ def test_a_release_whose_tag_is_not_its_version_is_refused(tmp_path, tag, change
 
 
 @pytest.mark.parametrize("path", FORMS, ids=lambda path: path.stem)
-def test_a_form_is_one_that_github_takes(path):
+def test_form_is_one_that_github_takes(path):
     """The keys are those of its documents, "Syntax for issue forms"."""
     form = yaml.safe_load(path.read_text())
     assert form.keys() == {"name", "description", "labels", "body"}
@@ -70,7 +70,7 @@ def test_a_form_is_one_that_github_takes(path):
     assert any(field.get("validations") == {"required": True} for field in fields)
 
 
-def test_the_citation_has_the_version_and_the_licence():
+def test_citation_has_the_version_and_the_licence():
     citation = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
     assert (citation["version"], citation["license"]) == (VERSION, project["license"])

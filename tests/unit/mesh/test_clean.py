@@ -150,7 +150,7 @@ def test_narrow_cracks_are_closed():
 
 @settings(max_examples=100)
 @given(st.integers(0, 100_000))
-def test_any_soup_ends_in_solids_that_are_closed_and_face_outwards(seed):
+def test_any_soup_ends_in_closed_solids_that_face_outwards(seed):
     random = np.random.default_rng(seed)
     points = random.integers(0, 4, (random.integers(1, 20), 3)) * 0.1
     triangles = random.integers(0, len(points), (random.integers(0, 60), 3))

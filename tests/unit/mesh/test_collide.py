@@ -125,7 +125,7 @@ def test_settings_of_a_glob_replace_those_of_the_mesh():
     assert collider.rung != "pieces"
 
 
-def test_small_parts_and_standard_content_have_no_collider_unless_named():
+def test_small_and_standard_parts_have_no_collider_unless_named():
     value = robot(part("Block <1>"), part("Crumb <1>", 0.05), part("Screw <1>", 0.06, standard=True))
     geometry = made(value, collider="primitives")
     assert list(kinds(geometry)) == [("Block <1>",)]
@@ -152,7 +152,7 @@ SPHERE = Primitive("sphere", (0.02,), frozen(np.eye(4)), visual=False)
         (robot(SEEN, shapes=(SPHERE,)), "urdf", "declared", []),
     ],
 )
-def test_colliders_of_a_file_are_made_of_its_own_shapes_or_of_visuals(value, kind, basis, parts):
+def test_colliders_of_a_file_are_made_of_its_shapes_or_visuals(value, kind, basis, parts):
     geometry = made(value, kind, basis=basis, collider="primitives")
     assert list(kinds(geometry)) == parts
     assert primitives(geometry)[len(parts) :] == ["sphere"] * len(value.links[0].shapes)

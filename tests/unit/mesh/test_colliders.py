@@ -98,7 +98,7 @@ def test_tolerance_is_the_key_or_depends_on_the_size():
 
 
 @pytest.mark.parametrize(("collider", "codes"), [("visual", []), ("raw", ["I-RAW"])])
-def test_without_colliders_nothing_is_missing_and_raw_meshes_are_reported(kit, collider, codes):
+def test_raw_meshes_are_reported_and_missing_colliders_are_not(kit, collider, codes):
     hinged(kit)
     _, geometry, _ = shaped(kit.document, mesh={"collider": collider})
     assert [problem.code for problem in geometry.diagnostics] == codes
@@ -156,7 +156,7 @@ def skewed(surfaces, settings):
     return Collision(tuple(fitted.primitive for fitted in fits))
 
 
-def test_fitted_primitives_are_in_both_files_where_they_were_fitted(kit, tmp_path, monkeypatch):
+def test_fitted_primitives_are_in_both_files_where_they_fit(kit, tmp_path, monkeypatch):
     monkeypatch.setitem(MAKERS, "hull", SimpleNamespace(make=skewed))
     hinged(kit)
     robot, geometry, plan = shaped(kit.document, ground={"kind": "none"})

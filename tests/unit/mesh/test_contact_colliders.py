@@ -74,7 +74,7 @@ def test_shapes_are_counted_without_meshes_that_are_not_written():
     assert not [exclude for exclude in bare.excludes if "left" in (exclude.link_a, exclude.link_b)]
 
 
-def test_work_is_done_again_where_shapes_are_pieces_of_other_colliders():
+def test_work_is_repeated_where_pieces_change_their_collider():
     robot, memo = gripper(), Memory()
     geometry = made(robot, "primitives")
     shapes = [shape for link in robot.links for shape in geometry.of(link.name, "collision")]

@@ -83,7 +83,7 @@ def test_base_that_overlaps_its_child_is_excluded_as_adjacent():
     one_exclude(on_world, ("world", "arm"))
 
 
-def test_faces_on_each_other_touch_and_a_pair_that_does_not_has_no_exclude():
+def test_faces_on_each_other_touch_and_faces_apart_do_not():
     on_it = geometry_of(base_arm_hand(hand=ball(0.05)))
     assert with_reason(on_it, "Always").depth == pytest.approx(0.0, abs=1e-6)
     for keys in (
@@ -98,7 +98,7 @@ def test_faces_on_each_other_touch_and_a_pair_that_does_not_has_no_exclude():
     assert exclude.depth == close(0.125, 1e-4)
 
 
-def test_pair_that_touches_in_every_pose_is_excluded_with_its_depth():
+def test_pair_that_always_touches_is_excluded_with_its_depth():
     geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
     always = with_reason(geometry, "Always")
     assert (always.link_a, always.link_b, always.depth) == ("base", "hand", pytest.approx(0.01, abs=1e-6))
@@ -119,7 +119,7 @@ def fingers(saved):
     return joints
 
 
-def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_is_shown():
+def test_fingers_that_touch_at_home_stay_and_the_yaml_is_shown():
     finger = (box(0.01, 0.01, 0.01),)
     shapes = {"palm": (box(0.01, 0.2, 0.01, at(0, 0.2, 0)),), "left": finger, "right": finger}
     robot = robot_with(fingers(-0.058), shapes=shapes, root="palm", relations=GEARS)
@@ -155,7 +155,7 @@ def test_pads_of_fingers_whose_racks_always_overlap_still_meet():
         assert geoms_in_mujoco(model, robot, {"left_joint": q, "right_joint": q}) == met
 
 
-def test_pads_that_touch_at_home_are_reported_and_a_user_excludes_them():
+def test_pads_that_touch_at_home_are_reported_till_excluded():
     robot = gripper(-0.058)
     geometry = geometry_of(robot)
     assert reasons(geometry)["left", "right"] == "Always"
@@ -224,7 +224,7 @@ def test_none_lets_no_links_collide():
 
 
 @pytest.mark.parametrize("on", ["auto", "none", "all"])
-def test_ground_and_other_objects_collide_whatever_contact_self_is(on, tmp_path):
+def test_ground_and_objects_collide_whatever_contact_self_is(on, tmp_path):
     robot = base_arm_hand(hand=ball(0.3))
     write(robot, tmp_path, geometry=geometry_of(robot, self=on))
     file = tmp_path / "robot.xml"
@@ -297,7 +297,7 @@ def test_excludes_do_not_depend_on_the_order_of_links():
     assert [reason for _, reason, _ in excludes("abc")].count("Always") == 3
 
 
-def test_work_is_done_again_only_where_the_motion_or_a_collider_changes():
+def test_work_is_repeated_where_motion_or_a_collider_changes():
     memo, robot = Memory(), base_arm_hand()
     heavier = tuple(replace(link, inertial=replace(link.inertial, mass=5.0)) for link in robot.links)
     arm, hand = robot.joints
@@ -320,7 +320,7 @@ def test_geometry_travels_with_its_excludes():
     assert Exclude("base", "hand", "Always", 0.01) in geometry_of(base_arm_hand(hand=ball(0.06))).excludes
 
 
-def test_a_single_pose_apart_is_enough_to_keep_a_pair(monkeypatch):
+def test_single_pose_apart_is_enough_to_keep_a_pair(monkeypatch):
     touched = []
 
     def touch(self, pair):

@@ -122,7 +122,7 @@ def test_neither_order_nor_last_digits_of_the_input_matter():
 
 
 @pytest.mark.slow
-def test_body_that_is_inside_out_and_a_bubble_within_are_repaired():
+def test_body_inside_out_and_a_bubble_within_are_repaired():
     outer, inner = surface_of(solids.ball(0.03)), surface_of(solids.ball(0.01))
     for surface in (outer.flipped(), joined(outer, inner.flipped())):
         (piece,) = decompose(surface, TOLERANCE, 256)
@@ -250,7 +250,7 @@ def test_wrong_parameter_is_reported_with_its_key(name, value, message):
     assert message in f"{caught.value.message} {caught.value.hint}"
 
 
-def test_wrong_parameter_in_the_configuration_is_an_error_of_its_key():
+def test_wrong_parameter_is_an_error_of_its_key():
     with pytest.raises(ValueError, match=r"coacd\n\s+treshold: .*did you mean threshold\?"):
         MeshSection.model_validate({"coacd": {"treshold": 0.1}})
     assert MeshSection.model_validate({"coacd": {"threshold": 0.1}}).coacd == {"threshold": 0.1}
@@ -300,7 +300,7 @@ def test_hull_of_fewer_vertices_contains_the_whole_hull():
 
 
 @pytest.mark.slow
-def test_flanged_tube_keeps_its_bore_and_the_corner_of_its_flange():
+def test_flanged_tube_keeps_its_bore_and_its_flanges_corner():
     profile = [(0.022, 0), (0.04, 0), (0.04, 0.008), (0.028, 0.008), (0.028, 0.06), (0.022, 0.06)]
     flanged, tolerance = surface_of(solids.revolve(profile, 48)), 0.0018
     pieces = cut(flanged, tolerance)

@@ -145,7 +145,7 @@ def test_fits_within_half_a_degree_of_the_axes_are_along_them(angle):
     # A gear has as many best boxes as it has symmetries.
     [*((BRACKET, kind) for kind in CHEAPEST), (GEAR, "cylinder"), (GEAR, "sphere")],
 )
-def test_moved_or_mirrored_part_in_another_order_has_the_moved_fit(surface, kind, seed, mirrored):
+def test_moved_or_mirrored_part_in_any_order_has_the_moved_fit(surface, kind, seed, mirrored):
     # Turned once already, so that no direction is near a coordinate axis.
     surface = moved(surface, some_pose(100))
     pose = some_pose(seed, mirrored)

@@ -87,7 +87,7 @@ def test_capped_hull_is_convex_closed_and_has_no_more_vertices(seed, count, cap)
     assert len(convex_hull(hull.vertices).vertices) == len(hull.vertices)
 
 
-def test_hull_within_the_cap_stays_and_the_order_of_vertices_does_not_matter():
+def test_hull_within_the_cap_stays_in_any_order_of_its_vertices():
     surface = cloud(3, 300)
     assert capped_hull(surface, len(surface.vertices)).vertices.tolist() == surface.vertices.tolist()
     order = np.random.default_rng(4).permutation(len(surface.vertices))

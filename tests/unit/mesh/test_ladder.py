@@ -124,7 +124,7 @@ def test_extra_volume_bounds_the_volume_of_one_piece():
     assert (strict.rung, strict.meets) == ("hull", False)
 
 
-def test_no_piece_has_more_vertices_than_allowed_and_mjx_gets_no_cylinder():
+def test_piece_has_no_more_vertices_than_allowed():
     dome = Surface(of_mesh(BALL).vertices * [1, 0.7, 0.5], of_mesh(BALL).triangles)
     assert make(dome).rung == "hull"
     for limit in (64, 20):
@@ -215,7 +215,7 @@ def test_every_part_counts_by_its_own_tolerance(size, count):
     assert len(merge_across_parts(blocks, halves, LadderSettings()).pieces) == count
 
 
-def test_primitives_among_the_pieces_stay_or_are_within_joined_pieces():
+def test_primitives_among_pieces_stay_or_are_within_others():
     ball = Primitive("sphere", (0.01,), frozen(np.eye(4)))
     far = [box(0.02, 0.02, 0.02, at=(x, 0, 0)) for x in (0.1, 0.12)]
     parts = [box(0.0115, 0.0115, 0.0115), joined(*far)]

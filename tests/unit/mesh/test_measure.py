@@ -86,7 +86,7 @@ def test_ball_around_a_cube():
 
 
 @pytest.mark.parametrize("kind", ["cylinder", "capsule", "sphere"])
-def test_curved_primitive_is_no_further_than_facets_from_its_mesh(kind):
+def test_curved_primitive_is_as_near_to_its_mesh_as_facets_are(kind):
     curved = Primitive(kind, (0.05, 0.2)[: 1 if kind == "sphere" else 2], at(0.3, -0.2, 0.1))
     measures = judged(surface_of(curved), curved)
     assert (measures.extra, measures.missing) == pytest.approx((0, 0), abs=1e-6)
@@ -218,7 +218,7 @@ def test_place_and_size_do_not_matter(seed, scale):
 
 
 @pytest.mark.parametrize("far", [-0.02, -0.011, -0.005, 0.0, 0.009, 0.011, 0.02])
-def test_pieces_are_hopeless_exactly_where_they_miss_the_tolerance_by_far(far):
+def test_pieces_are_hopeless_where_they_miss_by_far(far):
     piece = box(1 + 2 * far, 1 + 2 * far, 1 + 2 * far)
     assert is_hopeless(Target.of(box(1, 1, 1)), [piece], 0.01) == (abs(far) > 0.01)
 
@@ -255,7 +255,7 @@ def test_near_agrees_with_measure(seed, count, three_times):
 @pytest.mark.parametrize(
     ("beyond", "bare", "expected"), [(0, 0, True), (0.02, 0, False), (0, 0.02, False), (0.009, 0.009, True)]
 )
-def test_pieces_that_reach_too_far_or_leave_too_much_bare_are_not_near(beyond, bare, expected):
+def test_pieces_that_reach_far_or_leave_much_bare_are_not_near(beyond, bare, expected):
     piece = box(1 + beyond - bare, 1, 1, at=((beyond + bare) / 2, 0, 0))
     assert is_near(Target.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
 

@@ -95,7 +95,7 @@ def load(result, file):
     return trimesh.load(BytesIO(result.files[file]), file_type="stl")
 
 
-def test_link_has_a_visual_a_colour_and_its_hull_in_its_own_frame():
+def test_link_has_a_visual_a_colour_and_its_hull_in_its_frame():
     result = geometry(robot(base=[part("A", at(1)), part("B", at(1, 0, 1)), part("A", at(3), "A <2>")]))
     assert result.diagnostics == ()
     assert [(shape.role, shape.file, shape.colour, shape.faces) for shape in result.shapes] == [
@@ -148,7 +148,7 @@ PILL = Primitive("capsule", (0.1, 0.5), at(), collision=False)
 BALL = Primitive("sphere", (0.3,), at())
 
 
-def test_primitives_follow_the_meshes_of_their_link_with_their_figures():
+def test_primitives_follow_their_links_meshes_with_their_figures():
     tool, tip = link_of("tool", part("A"), shapes=(POST, BOX)), link_of("tip", shapes=(PILL, BALL))
     result = geometry(of_links(tool, tip, link_of("end", part("A"))))
     assert [(shape.link, shape.role, shape.file, shape.primitive) for shape in result.shapes] == [
@@ -201,7 +201,7 @@ def for_targets(*targets, **mesh):
     return result, {row.message: row.hint for row in result.diagnostics if row.code == "I-TARGET"}
 
 
-def test_each_change_of_a_shape_is_reported_with_the_targets_that_asked():
+def test_change_of_a_shape_is_reported_with_its_targets():
     tip = {"tip": {"make": "hull", "max_vertices": 40}}
     result, hints = for_targets("mjx", "newton", "drake", colliders=tip)
     (error,) = (text for text in hints if "ellipsoid" in text)

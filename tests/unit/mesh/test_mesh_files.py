@@ -83,7 +83,7 @@ def test_flat_visual_gets_a_back_that_mujoco_accepts(size, place):
     assert part.area == pytest.approx(2 * size**2, rel=0.1)
 
 
-def test_single_triangles_and_solids_are_written_and_specks_left_out():
+def test_triangles_and_solids_are_written_and_specks_left_out():
     (triangle,) = visuals(Surface(square().vertices, np.array([[0, 1, 2]])), RED)
     assert compiles(triangle.data)
     assert not list(visuals(square(1e-5), RED))
@@ -206,7 +206,7 @@ def test_meshes_of_the_same_content_are_one_file(kit, tmp_path, form):
             assert max(far.min(axis=1).max(), far.min(axis=0).max()) < 1e-6
 
 
-def test_meshes_that_differ_in_colour_only_are_one_but_for_a_texture():
+def test_meshes_of_other_colours_are_one_unless_textured():
     data = stl.write(lump(1))
     names = ["b_collision.stl", "b.stl", "a.stl", "c.stl"]
     colours = [None, (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), None]

@@ -94,7 +94,7 @@ def test_impossible_values_are_refused(key, value):
         plan_of(geoms={"*": {"collision": {key: value}}})
 
 
-def test_base_for_legged_robots_needs_no_feet_and_gives_them_contact(tmp_path):
+def test_base_for_legged_robots_needs_no_feet(tmp_path):
     (tmp_path / "robot").mkdir()
     text = "# @package _global_\ndefaults: [/robot/legged, override /source: sample]\n"
     (tmp_path / "robot" / "dog.yaml").write_text(text)
@@ -123,7 +123,7 @@ def test_base_for_legged_robots_needs_no_feet_and_gives_them_contact(tmp_path):
         ("shank", "hull", [1]),
     ],
 )
-def test_part_that_is_named_has_a_collider_with_its_own_properties(kit, glob, collider, priorities):
+def test_part_that_is_named_has_a_collider_of_its_own(kit, glob, collider, priorities):
     """A foot that is fastened to its shank, in one link."""
     base, shank, foot = kit.place("Base", fixed=True), kit.place("Shank"), kit.place("Foot")
     kit.root.revolute("Knee", (shank, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
@@ -237,6 +237,6 @@ EXCLUDED = {"exclude": [["a", "b"]]}
         ({"contact": {**EXCLUDED, "self": "auto"}}, None, "onshape", ""),
     ],
 )  # fmt: skip
-def test_a_key_that_nothing_reads_is_named(keys, maker, source, named):
+def test_key_that_nothing_reads_is_named(keys, maker, source, named):
     problems = list(idle_keys(plan_of(**keys), (maker,) if maker else (), source))
     assert [(problem.code, problem.where) for problem in problems] == [("I-IDLE-KEY", named)] * bool(named)

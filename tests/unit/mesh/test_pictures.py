@@ -92,7 +92,7 @@ def ball(radius):
     return Primitive("sphere", (radius,), frozen(np.eye(4)))
 
 
-def test_visuals_are_on_the_left_and_colliders_on_the_right_in_one_scale():
+def test_visuals_are_left_and_colliders_right_in_one_scale():
     shapes = [shape("collision", ball(0.1)), shape("visual", ball(0.05), (1.0, 0.0, 0.0, 1.0))]
     image = pixels_of(picture(shapes, {}))
     assert image.shape == (SIDE, 2 * SIDE, 3)
@@ -159,7 +159,7 @@ def links(*names):
     return judged(tuple(replace(shape, link=name) for name in names for shape in SHAPES), FILES)
 
 
-def test_pictures_are_in_the_order_of_the_links_and_made_once_for_equal_links():
+def test_pictures_are_in_order_and_made_once_for_equal_links():
     memo = Memory()
     pictures = table(links("b", "a"), memo)
     assert [entry["link"] for entry in pictures["pictures"]] == ["b", "a"]
@@ -169,7 +169,7 @@ def test_pictures_are_in_the_order_of_the_links_and_made_once_for_equal_links():
     assert memo.made == 2
 
 
-def test_links_that_miss_come_first_where_there_is_no_room_for_all(monkeypatch):
+def test_links_that_miss_come_first_where_room_is_short(monkeypatch):
     monkeypatch.setattr(room, "MAX_BYTES", 2 * len(picture(SHAPES, FILES)))
     geometry = links("a", "b", "c")
     missing = replace(FIGURES, link="c", meets=False)
@@ -178,7 +178,7 @@ def test_links_that_miss_come_first_where_there_is_no_room_for_all(monkeypatch):
     assert pictures["left_out"] == ["b"]
 
 
-def test_links_that_would_take_too_long_are_left_out_before_they_are_drawn(monkeypatch):
+def test_links_that_take_too_long_are_left_out_undrawn(monkeypatch):
     corners = np.random.default_rng(2).uniform(-1, 1, (150_000, 3))
     wild = stl.write(Surface(corners, np.arange(150_000).reshape(-1, 3)))
     monkeypatch.setattr(room, "picture_of_triangles", lambda *_: pytest.fail("it was drawn"))
@@ -200,7 +200,7 @@ def test_work_is_no_less_than_the_pixels_of_all_triangles():
     [judged((), {}), judged(SHAPES[1:], FILES), judged(SHAPES, {}), Geometry(SHAPES, FILES)],
     ids=["nothing", "no collider", "no files", "not judged"],
 )
-def test_nothing_is_drawn_without_a_judged_collider_or_without_meshes(geometry):
+def test_nothing_is_drawn_without_a_judged_collider_or_meshes(geometry):
     assert views(geometry, no_memo) == {}
 
 

@@ -29,7 +29,7 @@ def primitive(kind, numbers=(0.4, -0.9, 1.7, 0.1, 0.2, -0.3)):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_surface_of_a_primitive_is_closed_and_has_its_volume_and_distance(kind):
+def test_surface_of_a_primitive_has_its_volume_and_distance(kind):
     shape = primitive(kind)
     surface = pieces.surface_of(shape)
     mesh = trimesh.Trimesh(surface.vertices, surface.triangles, process=False)

@@ -52,7 +52,7 @@ def answer(request):
 REFUSES = "return collision.encode(collision.Collision(note='no'))"
 
 
-def test_guests_make_the_same_in_any_order_whatever_they_made_before():
+def test_guests_make_the_same_whatever_they_made_before():
     surfaces = [BRACKET, CLAMP, RING, BRACKET]
     makings = [Making(str(number), made(surface)) for number, surface in enumerate(surfaces)]
     forwards = side_by_side(makings, workers=1)
@@ -68,7 +68,7 @@ def test_there_are_no_more_guests_than_workers_and_none_is_left(stand_in):
     assert gone(guests())
 
 
-def test_a_failure_is_the_result_of_its_own_maker_alone():
+def test_failure_is_the_result_of_its_own_maker_alone():
     def fails(guest):
         raise DecompositionFailed("no")
 

@@ -47,7 +47,7 @@ def assert_clear(surface, points, spare):
 
 
 @pytest.mark.parametrize("name", sorted(SHAPES))
-def test_inside_of_a_closed_surface_is_that_of_its_winding_number(name):
+def test_inside_of_a_closed_surface_is_by_its_winding_number(name):
     surface = of_mesh(SHAPES[name])
     points = points_in(surface, 400)
     expected = winding(surface, points) > 0.5
@@ -152,7 +152,7 @@ def test_closed_is_every_edge_as_often_in_either_sense(surface):
     assert surface.closed() == (bool(edges) and as_often)
 
 
-def test_a_box_is_closed_and_without_a_face_it_is_open():
+def test_box_is_closed_and_without_a_face_it_is_open():
     assert BOX.closed()
     assert BOX.volume() == 6.0
     assert BOX.area() == 22.0
@@ -163,7 +163,7 @@ def test_a_box_is_closed_and_without_a_face_it_is_open():
 
 
 @pytest.mark.parametrize("kind", ["far", "near each other", "across the skew line", "at one place"])
-def test_points_within_the_tolerance_become_one_and_triangles_are_in_order(kind):
+def test_near_points_become_one_and_triangles_are_in_order(kind):
     rng = np.random.default_rng(11)
     points = rng.integers(0, 4, (60, 3)) / 20 + rng.choice([0.0, 0.9e-8, 1.1e-8], (60, 3))
     if kind == "far":

@@ -71,7 +71,7 @@ def test_every_form_of_a_cube_is_the_same_closed_cube(form, old):
     assert mesh.palette == (NEUTRAL,)
 
 
-def test_only_the_wanted_parts_are_read_and_bodies_without_triangles_are_absent():
+def test_wanted_parts_alone_are_read_if_they_have_triangles():
     bodies = [body(name="A"), body(name="B"), {"id": "C", "faces": "broken"}, {"id": "E", "faces": []}]
     data = reply_triangles.compact(reply(*bodies, {"id": "F"}))
     assert set(part_mesh.decode_meshes(data, {"B", "D", "E", "F"})) == {"B"}
@@ -93,7 +93,7 @@ def test_order_of_faces_points_and_corners_does_not_matter():
     assert shuffled.colours.tolist() == plain.colours.tolist()
 
 
-def test_face_colour_wins_over_the_body_colour_and_both_over_grey():
+def test_face_colour_wins_over_body_colour_and_that_over_grey():
     mesh = read(reply(body(appearance=BLUE, faces=[RED] + [None] * 5)))
     red, blue = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.2)
     assert mesh.palette == (blue, red)
@@ -116,7 +116,7 @@ SOLIDS = {
 
 @settings(max_examples=40, deadline=None)
 @given(name=st.sampled_from(sorted(SOLIDS)), seed=st.integers(0, 2**32 - 1))
-def test_solid_stays_closed_whatever_the_last_digits_of_its_faces(name, seed):
+def test_solid_stays_closed_whatever_last_digits_its_faces_have(name, seed):
     solid, thickness = SOLIDS[name]
     rng = np.random.default_rng(seed)
     faces = []
@@ -138,7 +138,7 @@ def test_points_that_are_apart_are_not_welded():
     assert not read(reply(record)).closed
 
 
-def test_triangles_that_lose_a_corner_are_dropped_and_slivers_stay():
+def test_triangles_that_lose_a_corner_go_and_slivers_stay():
     record = body("loose")
     record["faces"][0]["facets"].append({"vertices": [xyz(0, 0, 0), xyz(0, 0, 0), xyz(0, 1, 0)]})
     assert_closed(read(reply(record)), 12)
@@ -149,7 +149,7 @@ def test_triangles_that_lose_a_corner_are_dropped_and_slivers_stay():
     assert_closed(read(reply(record)), 14)
 
 
-def test_facet_with_more_corners_becomes_a_fan_and_a_solid_inside_out_is_turned():
+def test_facet_becomes_a_fan_and_a_solid_inside_out_is_turned():
     points = [xyz(*corner) for corner in CORNERS]
     faces = [{"facets": [{"indices": side}]} for side in SIDES]
     assert_closed(read(reply({"id": "A", "facetPoints": points, "faces": faces})), 12)
@@ -167,7 +167,7 @@ def test_facet_with_more_corners_becomes_a_fan_and_a_solid_inside_out_is_turned(
         ({"faces": [{"facets": [7]}]}, "part A"),
     ],
 )
-def test_triangles_in_no_known_form_are_an_error_that_names_the_part(change, why):
+def test_triangles_in_no_form_are_an_error_that_names_the_part(change, why):
     with pytest.raises(ProtocolError) as caught:
         read(reply(body() | change))
     assert why in str(caught.value)

@@ -131,7 +131,7 @@ def test_flat_face_has_its_image_on_both_sides(tmp_path):
     assert np.allclose(ordered(points[2:]), ordered(plane[:, ::-1]), atol=2e-6)
 
 
-def test_textured_mesh_is_an_obj_in_either_format_and_absent_without_assets(tmp_path):
+def test_textured_mesh_is_an_obj_and_absent_without_assets(tmp_path):
     source = robot(tmp_path)
     stl, as_obj = (built_into(tmp_path / kind, source, format=kind)[1] for kind in ("stl", "obj"))
     assert (stl.files, stl.shapes) == (as_obj.files, as_obj.shapes)

@@ -154,7 +154,7 @@ def test_pages_and_pictures_show_a_urdf_with_glb_as_with_stl(tmp_path):
     assert np.allclose(*drawn, atol=1e-5)
 
 
-def test_textured_mesh_has_its_image_in_the_glb_and_an_obj_for_the_mjcf(tmp_path):
+def test_textured_mesh_has_its_image_in_the_glb(tmp_path):
     put(tmp_path / "source", **{"robot.urdf": urdf(visual("cube.obj")), "cube.obj": obj(cube())})
     put(tmp_path / "source", **{"m.mtl": b"newmtl m\nKd 0.5 0.75 1\nmap_Kd four.png\n", "four.png": image()})
     files = {}

@@ -76,7 +76,7 @@ def test_contact_that_is_asked_for_must_be_in_the_file(build):
     assert messages == wrong
 
 
-def test_a_collider_that_is_added_in_front_is_named_and_no_other(build):
+def test_collider_that_is_added_in_front_is_named_and_no_other(build):
     made = build({})
     path = made.folder / f"{made.name}.xml"
     path.write_text(path.read_text().replace("<geom name=", '<geom type="sphere" size="0.1"/><geom name=', 1))
@@ -88,7 +88,7 @@ def test_a_collider_that_is_added_in_front_is_named_and_no_other(build):
     assert finding.message == 'is a collision shape more than the robot\'s body "one" has'
 
 
-def test_a_scene_that_is_asked_for_must_be_in_the_file(build):
+def test_scene_that_is_asked_for_must_be_in_the_file(build):
     made = build({"ground": GROUND, "root": {"base": "free"}, "scene": {**MOON, **PLACE}})
     assert findings(made.folder, *SCENE) == []
     robot, scene = made.folder / f"{made.name}.xml", made.folder / "scene.xml"
@@ -113,7 +113,7 @@ def test_a_scene_that_is_asked_for_must_be_in_the_file(build):
 
 
 @pytest.mark.parametrize("package", [None, "arm_description"])
-def test_meshes_of_the_package_that_was_asked_for_are_found_and_others_not(package, build):
+def test_meshes_of_the_package_that_was_asked_for_are_found(package, build):
     made = build({"export": {"urdf": {"meshes": "package", "package": package}, "mjcf": {}}})
     path = made.folder / f"{made.name}.urdf"
     assert findings(made.folder, "C-PATH") == []
@@ -124,7 +124,7 @@ def test_meshes_of_the_package_that_was_asked_for_are_found_and_others_not(packa
     assert 'no folder of a package "other" has this file' in finding.message
 
 
-def test_a_velocity_that_is_gone_is_said_to_be_missing(build):
+def test_velocity_that_is_gone_is_said_to_be_missing(build):
     made = build({"joints": {"*": {"velocity": 3, "effort": 2}}})
     path = made.folder / f"{made.name}.urdf"
     path.write_text(path.read_text().replace(' velocity="3"', "", 1))

@@ -62,7 +62,7 @@ UNREAD = {"an ASCII STL": ASCII_STL, "too many triangles": bytes(80) + (200_001)
 
 
 @pytest.mark.parametrize("kind", UNREAD)
-def test_a_mesh_that_mujoco_does_not_read_is_no_fault_of_a_urdf(folder, kind):
+def test_mesh_that_mujoco_does_not_read_is_no_fault_of_a_urdf(folder, kind):
     data = UNREAD[kind] + (bytes(50 * 200_001) if kind == "too many triangles" else b"")
     (folder / "lower.stl").write_bytes(data)
     urdf = folder / "arm.urdf"
@@ -79,7 +79,7 @@ def test_what_is_only_seen_of_a_urdf_may_be_flat(folder):
 
 
 @pytest.mark.skipif(not reads_mimic(), reason="this MuJoCo reads no <mimic>")
-def test_a_urdf_is_tried_from_within_its_limits(folder, monkeypatch):
+def test_urdf_is_tried_from_within_its_limits(folder, monkeypatch):
     """It does not say where it starts, and far outside of them the limits throw it away."""
     starts = []
     monkeypatch.setattr(start, "trial_run", lambda *arguments: starts.append(arguments[-1]) or Trial("", 1.0))
@@ -90,7 +90,7 @@ def test_a_urdf_is_tried_from_within_its_limits(folder, monkeypatch):
     assert [list(start) for start in starts] == [[0.3, pytest.approx(-0.5)]]
 
 
-def test_a_fixed_joint_that_follows_another_is_only_odd(folder):
+def test_fixed_joint_that_follows_another_is_only_odd(folder):
     hand = '<link name="hand"/><joint name="hand" type="fixed"><parent link="lower"/><child link="hand"/>'
     replace_last(folder / "arm.urdf", "</robot>", f'{hand}<mimic joint="shoulder"/></joint></robot>')
     checks = check_bare(folder / "arm.urdf")
@@ -119,7 +119,7 @@ SENSOR = """<link name="imu"><inertial><mass value="0.002"/>
 <joint name="imu" type="fixed"><parent link="lower"/><child link="imu"/></joint></robot>"""
 
 
-def test_a_body_is_judged_with_what_is_fixed_to_it(folder):
+def test_body_is_judged_with_what_is_fixed_to_it(folder):
     """A radius of gyration of 70 mm, of a sensor that reaches 20 mm, on a link of 200 mm."""
     replace_last(folder / "arm.urdf", "</robot>", SENSOR)
     assert failing(folder / "arm.urdf") == []
@@ -133,7 +133,7 @@ WORLD = """<link name="world"/><link name="tool"/>
 
 
 @pytest.mark.parametrize(("kind", "expected"), [("fixed", set()), ("continuous", {("C-SOLID", "error")})])
-def test_a_frame_on_a_base_that_the_file_fixes_needs_no_mass(folder, kind, expected):
+def test_frame_on_a_base_that_the_file_fixes_needs_no_mass(folder, kind, expected):
     replace_last(folder / "arm.urdf", "</robot>", WORLD.format(kind=kind))
     assert {level for level in levels(check_bare(folder / "arm.urdf")) if level[0] == "C-SOLID"} == expected
 
@@ -150,7 +150,7 @@ def test_what_cannot_move_may_have_any_inertial(folder):
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(100, ""), (1000, "g m²"), (1_000_000, "kg mm²")])
-def test_a_unit_is_named_only_where_it_fits(folder, factor, unit):
+def test_unit_is_named_only_where_it_fits(folder, factor, unit):
     moments = " ".join(str(factor * moment) for moment in (0.004, 0.004, 0.0009))
     replace_last(folder / "arm.xml", 'diaginertia="0.004 0.004 0.0009"', f'diaginertia="{moments}"')
     (words,) = [words for code, _, words in failing(folder / "arm.xml") if code == "C-INERTIAL"]
@@ -168,14 +168,14 @@ def test_what_a_viewer_hides_is_not_the_form_of_a_body(folder, group, passes):
 
 
 @pytest.mark.parametrize(("group", "expected"), [(2, set()), (0, {("C-COLLIDER", "error")})])
-def test_what_is_drawn_with_what_is_only_seen_is_no_second_form_of_it(folder, group, expected):
+def test_geom_of_the_group_of_visuals_is_no_collider_of_them(folder, group, expected):
     """A collider 0.5 m beside the mesh of its body: of another group it stands for that, and is misplaced."""
     moved = f'<geom name="upper" class="collision" group="{group}" pos="0 .5 0.1"/>'
     replace_last(folder / "arm.xml", '<geom name="upper" class="collision" pos="0 0 0.1"/>', moved)
     assert levels(check_bare(folder / "arm.xml")) == expected
 
 
-def test_a_plane_is_no_shape_of_a_body():
+def test_plane_is_no_shape_of_a_body():
     plane = '<geom type="plane" size="1 1 1"/>'
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><worldbody><body>{plane}<geom size=".1"/></body></worldbody></mujoco>'
@@ -217,7 +217,7 @@ INERTIALS = [
 
 
 @pytest.mark.parametrize(("change", "expected"), INERTIALS)
-def test_a_build_judges_inertials_as_a_check_does(change, expected, tmp_path):
+def test_build_judges_inertials_as_a_check_does(change, expected, tmp_path):
     before, middle, after = BOXES.rpartition('<link name="lower">')
     after = after.replace('mass value="1"', f'mass value="{change.get("mass", "1")}"')
     after = after.replace("@x", change.get("moment", "0.004"))
@@ -246,7 +246,7 @@ def test_good_files_pass(folder):
 
 
 @pytest.mark.parametrize("fault", BARE, ids=lambda fault: fault.title)
-def test_a_fault_of_a_bare_file_is_found(folder, fault):
+def test_fault_of_a_bare_file_is_found(folder, fault):
     planted = fault.change(folder, "arm")
     together = fault.codes == ("C-TOGETHER",)
     checks = check_bare(folder if together else folder / f"arm.{'urdf' if 'urdf' in fault.file else 'xml'}")
@@ -269,7 +269,7 @@ def test_other_files_beside_models_are_left_alone(folder):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_the_files_of_others_have_no_error(name):
+def test_files_of_others_have_no_error(name):
     """What they have that could be better is a warning."""
     if not is_here(name):
         pytest.skip("needs the robots of others")
@@ -314,14 +314,14 @@ def test_what_many_files_have_is_no_fault(folder, kind):
     assert [(check.code, check.detail) for check in check_bare(folder / file) if not check.passed] == []
 
 
-def test_a_fixed_link_may_be_a_point_and_may_not_have_a_negative_mass(folder):
+def test_fixed_link_may_be_a_point_but_has_no_negative_mass(folder):
     replace_last(folder / "arm.urdf", "</robot>", marked("0.5", moment="0"))
     assert [check for check in check_bare(folder / "arm.urdf") if check.fails] == []
     replace_last(folder / "arm.urdf", 'value="0.5"', 'value="-0.5"')
     assert "C-SOLID" in {check.code for check in check_bare(folder / "arm.urdf") if check.fails}
 
 
-def test_a_mesh_that_cannot_be_read_may_explain_what_is_odd(folder):
+def test_mesh_that_cannot_be_read_may_explain_what_is_odd(folder):
     text = (folder / "arm.urdf").read_text()
     wide = text.replace('ixx="0.004"', 'ixx="0.04"').replace('iyy="0.004"', 'iyy="0.04"')
     assert wide != text

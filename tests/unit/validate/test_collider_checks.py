@@ -78,7 +78,7 @@ def test_how_far_a_moved_collider_is_off(x):
         (colliders.MAX_SHARE * SIZE + colliders.UNJUDGED_SHARE * SIZE + 0.01, (True, False)),
     ],
 )
-def test_a_moved_collider_of_which_nothing_is_known(x, expected):
+def test_moved_collider_of_which_nothing_is_known(x, expected):
     said, elements = results(moved(x))
     assert said == expected
     assert all("arm" in element for element in elements)
@@ -103,7 +103,7 @@ def test_what_collides_and_is_seen_is_beside_nothing(visual, wrong):
 @pytest.mark.parametrize(
     ("x", "expected"), [(0.002, (False, False)), (0.006, (False, True)), (0.02, (True, False))]
 )
-def test_a_moved_collider_that_was_judged(x, expected):
+def test_moved_collider_that_was_judged(x, expected):
     """To be off by 2 mm and 1 mm, besides 1 % of the size, 2.3 mm."""
     assert 0.0023 < colliders.SPARE_SHARE * SIZE < 0.0024
     # Each link of the robot has one part that is seen and collides, as its figures say.
@@ -112,7 +112,7 @@ def test_a_moved_collider_that_was_judged(x, expected):
     assert said == expected
 
 
-def test_a_collider_in_millimetres_is_an_error_and_named():
+def test_collider_in_millimetres_is_an_error_and_named():
     big = " ".join(str(1000 * side / 2) for side in SIDES)
     said, elements = results(arm(f'type="box" size="{big}"'))
     assert said[0]
@@ -120,12 +120,12 @@ def test_a_collider_in_millimetres_is_an_error_and_named():
 
 
 @pytest.mark.parametrize("times", [1 / 1000, 1000])
-def test_a_visual_shape_of_other_units_is_an_error(times):
+def test_visual_shape_of_other_units_is_an_error(times):
     other = " ".join(str(times * side / 2) for side in SIDES)
     assert results(arm(visual=f'type="box" size="{other}"'))[0][0]
 
 
-def test_a_collider_that_is_turned_is_found():
+def test_collider_that_is_turned_is_found():
     """By a quarter turn about z: it reaches beyond, and leaves bare, half the difference of the sides."""
     turned = arm(f'type="box" size="{LENGTHS}" quat=".70710678 0 0 .70710678"')
     wrong, doubtful = colliders.check(compiled_of(turned))
@@ -137,7 +137,7 @@ def test_a_collider_that_is_turned_is_found():
     assert finding.message.endswith(": both, as if it had been moved, turned or mirrored")
 
 
-def test_a_mirrored_collider_is_found():
+def test_mirrored_collider_is_found():
     visual = f'type="box" size="{LENGTHS}"/><geom type="box" size=".02 .05 .03" pos=".08 .1 0"'
     collider = f'type="box" size="{LENGTHS}"/><geom type="box" size=".02 .05 .03" pos="-.08 .1 0"'
     text = arm(collider, f"{visual} {SEEN}".replace("/><geom", f" {SEEN}/><geom", 1).removesuffix(SEEN))
@@ -145,7 +145,7 @@ def test_a_mirrored_collider_is_found():
     assert said == (False, True)
 
 
-def test_a_robot_of_which_nothing_collides_has_nothing_to_compare():
+def test_robot_of_which_nothing_collides_has_nothing_to_compare():
     bare = arm("").replace('<geom name="base_collision" size=".05"/>', "")
     assert list(colliders.check(compiled_of(bare))) == list(bare_links.check(compiled_of(bare))) == []
 
@@ -156,7 +156,7 @@ def no_collider(text, geometry=None):
     return [finding.element for finding in check.findings]
 
 
-def test_a_link_without_a_collider_is_named_unless_it_was_asked_for():
+def test_link_without_a_collider_is_named_unless_asked_for():
     assert no_collider(arm()) == []
     assert no_collider(arm("")) == ['body "arm"']
     figures = ColliderFigures("arm", ("arm_part",), "none", "none", 0, 0, True, None, None)
@@ -207,7 +207,7 @@ def test_reach_is_the_distance_from_a_wall(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_points_outside_are_as_far_as_a_small_sphere_or_nearer_and_never_outside_within(kind):
+def test_points_outside_are_as_far_as_a_small_sphere(kind):
     model = model_of(kind)
     data, point, it = mujoco.MjData(model), model.geom("point").id, model.geom("it").id
     points = np.random.default_rng(5).uniform(-0.5, 0.7, (60, 3))
@@ -228,7 +228,7 @@ def test_points_outside_are_as_far_as_a_small_sphere_or_nearer_and_never_outside
     assert 0 < inside < 60
 
 
-def test_normals_of_a_hull_are_of_its_faces_whatever_the_engine_says_of_them():
+def test_normals_of_a_hull_are_of_its_faces_in_any_engine():
     """MuJoCo before 4.0 takes a normal from three corners of a face, which may be one sliver."""
     model = model_of("mesh")
     it, points = model.geom("it").id, np.random.default_rng(6).uniform(-0.5, 0.7, (60, 3))
@@ -252,7 +252,7 @@ def test_surface_points_are_on_the_surface(kind):
     assert len(surface_points(model, [it], 3)) == 3
 
 
-def test_the_union_reaches_as_far_as_the_furthest_and_is_as_near_as_the_nearest():
+def test_union_reaches_as_its_furthest_and_nearest_shapes():
     model = mujoco.MjModel.from_xml_string(
         '<mujoco><worldbody><body><joint/><geom size=".1" pos="1 0 0"/><geom size=".2" pos="-1 0 0"/></body>'
         "</worldbody></mujoco>"
@@ -261,7 +261,7 @@ def test_the_union_reaches_as_far_as_the_furthest_and_is_as_near_as_the_nearest(
     assert outside(model, [0, 1], np.zeros((1, 3))).tolist() == pytest.approx([0.8])
 
 
-def test_the_area_of_a_mesh():
+def test_area_of_a_mesh():
     """Three right triangles at the corner, and the one across from it."""
     model = model_of("mesh")
     a, b, c = np.array([0.1, 0, 0]), np.array([0, 0.2, 0]), np.array([0, 0, 0.3])

@@ -93,7 +93,7 @@ def folder(tmp_path):
     return made
 
 
-def test_the_key_knows_the_tools():
+def test_key_knows_the_tools():
     (literal, _) = get_args(ValidateSection.model_fields["external"].annotation)
     assert set(get_args(literal)) == set(TOOLS) == set(runs.USES)
 
@@ -141,7 +141,7 @@ NO_RESULT = "print('Asset: x\\n  [ERROR] Validation produced no result for profi
     ],
     ids=range(9),
 )  # fmt: skip
-def test_the_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, level, words):
+def test_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, level, words):
     """ "none": no verdict, which is an error."""
     stand_in(tmp_path / "bin", TOOLS[tool].program, code)
     for check in check_externally(folder, "arm", [tool], path):
@@ -150,7 +150,7 @@ def test_the_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, l
         assert gave_no_verdict(check) == (level == "none")
 
 
-def test_a_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
+def test_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
     seen = tmp_path / "seen"
     facts = "[dict(os.environ), os.getcwd(), os.listdir(), sys.path, sys.argv[1:]]"
     code = f"open(sys.argv[2], 'w').write('changed')\njson.dump({facts}, open({str(seen)!r}, 'w'))\n"
@@ -185,7 +185,7 @@ def test_no_program_of_the_working_folder_is_a_checker(folder, tmp_path, monkeyp
     assert TOOLS["simcheck"].command({"PATH": str(tmp_path / "bin")}) == (str(tmp_path / "bin" / "simcheck"),)
 
 
-def test_a_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
+def test_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "MAX_SECONDS", 0.5)
     stand_in(tmp_path / "bin", "mjcf-doctor", "time.sleep(60)")
     (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
@@ -193,13 +193,13 @@ def test_a_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
     assert gave_no_verdict(check)
 
 
-def test_a_model_without_a_scene_is_looked_at_itself(folder, path):
+def test_model_without_a_scene_is_looked_at_itself(folder, path):
     (folder / "scene.xml").unlink()
     (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
     assert check.name == "arm.xml: mjcf-doctor 1.2.3"
 
 
-def test_a_version_is_what_the_program_says_or_else_depends_on_its_bytes(path, tmp_path):
+def test_version_is_what_the_program_says_or_is_of_its_bytes(path, tmp_path):
     assert versions(list(TOOLS), path) == dict.fromkeys(TOOLS, "1.2.3")
     other = tmp_path / "other"
     stand_in(other, "simcheck", "", version="2.0.0")
@@ -246,7 +246,7 @@ def test_one_that_reads_no_format_of_the_build_is_an_error(path, name):
         require([name], ["sdf", form], path)
 
 
-def test_a_build_asks_before_it_begins(tmp_path):
+def test_build_asks_before_it_begins(tmp_path):
     if external.TOOLS["simcheck"].command({"PATH": ""}) is not None:
         pytest.skip("simcheck is a module of this Python")
     environ = environment(tmp_path, PATH="/nowhere")

@@ -108,7 +108,7 @@ def test_colliders_that_are_what_is_seen_are_right():
 
 
 @pytest.mark.parametrize(("shape", "exact"), [pytest.param(cube, 1e-9, marks=NEEDS_DEPTHS), (ball, 2e-4)])
-def test_colliders_that_are_too_large_are_false_where_what_is_seen_is_apart(shape, exact):
+def test_large_colliders_are_false_where_visuals_are_apart(shape, exact):
     """By 10 mm each: where they are in each other, and what is seen is not yet within 2 mm."""
     check = judged(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.05)], [shape(0.07, AT)]]))
     gap = AT - values() - 0.10
@@ -134,7 +134,7 @@ def test_colliders_that_are_too_small_miss_what_cuts(shape):
     assert "pass through each other" in check.findings[0].message
 
 
-def test_a_link_without_a_collider_passes_through_the_others():
+def test_link_without_a_collider_passes_through_the_others():
     seen = [[cube(0.04)], [cube(0.06, AT)]]
     check = judged(text(seen, [[cube(0.04)], []]))
     assert row_of(check) == (0.0, 0.0, percent(values() > AT - 0.10), 0.0)
@@ -169,7 +169,7 @@ def test_pieces_of_a_u_let_a_finger_in():
 
 
 @NEEDS_DEPTHS
-def test_the_hull_of_a_u_holds_a_finger_out():
+def test_hull_of_a_u_holds_a_finger_out():
     """It is false as soon as the finger's tip is in the U, but where that is near the bottom; the finger is
     nearer to the bottom than to the legs only there."""
     check = judged(text([finger(), u()], [finger(), hull_of_u()]))
@@ -198,7 +198,7 @@ def excluded(mjcf, reason, **more):
 
 
 @pytest.mark.parametrize("reason", ["Source", "User"])
-def test_pairs_that_are_excluded_by_choice_are_in_the_table_alone(reason):
+def test_pairs_excluded_by_choice_are_in_the_table_alone(reason):
     check = excluded(CROSSING, reason)
     assert check.passed
     assert check.table.rows[0][-1] == reason
@@ -215,7 +215,7 @@ def test_pairs_next_to_each_other_are_not_judged():
     assert judged(child).table is None
 
 
-def test_pairs_that_are_excluded_since_they_always_cut_must_always_cut():
+def test_pairs_excluded_since_they_always_cut_must_do_so():
     assert excluded(CROSSING, "Always").table.rows[0][4] == percent(values() > AT - 0.10)
     assert not excluded(CROSSING, "Always").passed
     always = CROSSING.replace(cube(0.06, AT), cube(0.06, 0.1)).replace(cube(0.04), cube(0.11))
@@ -225,7 +225,7 @@ def test_pairs_that_are_excluded_since_they_always_cut_must_always_cut():
 
 
 @NEEDS_DEPTHS
-def test_what_is_within_a_solid_is_in_contact_and_within_a_shell_is_not():
+def test_body_within_a_solid_touches_it_and_within_a_shell_not():
     """The slider ends in the middle of a large post, further than 2 mm from all of its surface."""
     large = [[cube(0.02)], [cube(0.1, 0.2)]]
     assert judged(text(large, large)).passed
@@ -255,7 +255,7 @@ def test_at_home_nothing_touches_that_stands_apart():
             assert "at home, where their visual shapes are apart" in check.findings[0].message
 
 
-def test_without_contact_of_the_robot_with_itself_there_is_no_check():
+def test_check_needs_contact_of_the_robot_with_itself():
     for geometry in (None, Geometry((), {})):
         assert list(false_contact.check(compiled_of(CROSSING, ROBOT, geometry))) == []
 
@@ -277,7 +277,7 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_primitive_is_a_closed_surface_around_its_volume(kind):
+def test_primitive_is_a_closed_surface_around_its_volume(kind):
     size, volume = KINDS[kind]
     place = 'pos="1 2 3" quat="0.6 0 0.8 0"'
     model = mujoco.MjModel.from_xml_string(

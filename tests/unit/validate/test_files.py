@@ -57,7 +57,7 @@ def test_good_files_pass_every_check_from_any_folder(folder, monkeypatch):
     [fault for fault in (*FAULTS, *IN_A_BUILD) if TEXT.issuperset(fault.codes)],
     ids=lambda fault: fault.title,
 )
-def test_a_fault_of_a_text_is_found_in_its_file_alone(folder, fault):
+def test_fault_of_a_text_is_found_in_its_file_alone(folder, fault):
     planted = fault.change(folder, "arm")
     file = "arm.urdf" if fault.file == "bare urdf" else "arm.xml"
     assert (file, *fault.codes, *planted.elements, *planted.attributes) in wrong(folder)
@@ -102,13 +102,13 @@ def test_faults_of_a_scene_are_its_own(folder, old, new, expected):
         ("other.glb", b"glTF" + struct.pack("<II", 2, 100) + b"\0" * 40),
     ],
 )
-def test_a_mesh_that_is_not_whole_is_found(folder, name, data):
+def test_mesh_that_is_not_whole_is_found(folder, name, data):
     (folder / name).write_bytes(data)
     replace_last(folder / "arm.urdf", "lower.stl", name)
     assert ("arm.urdf", "C-ASSET", 'mesh of visual of link "lower"', "filename") in wrong(folder)
 
 
-def test_a_file_that_no_model_names_is_a_warning(folder):
+def test_file_that_no_model_names_is_a_warning(folder):
     (folder / "assets").mkdir()
     (folder / "assets" / "old.stl").write_bytes(STL)
     (check,) = (candidate for candidate in checked(folder) if not candidate.passed)
@@ -118,21 +118,21 @@ def test_a_file_that_no_model_names_is_a_warning(folder):
     assert all(check.passed for check in check_folder(folder, ("arm.xml", "arm.urdf"), ("arm.sdf",)))
 
 
-def test_an_unknown_element_is_an_error_where_the_engine_refuses_it(folder):
+def test_unknown_element_is_an_error_where_the_engine_refuses_it(folder):
     replace_last(folder / "arm.urdf", 'velocity="3"', 'velocty="3"')
     replace_last(folder / "arm.xml", 'range="-1.5 1.5"/>', 'rnage="-1.5 1.5"/>')
     levels = {check.name: check.level for check in checked(folder) if not check.passed}
     assert levels == {"arm.urdf: elements": "warning", "arm.xml: elements": "error"}
 
 
-def test_a_finding_names_its_line(folder):
+def test_finding_names_its_line(folder):
     replace_last(folder / "arm.xml", 'kp="20"', 'kp="ten"')
     (finding,) = (item for check in checked(folder) for item in check.findings)
     line = next(number for number, text in enumerate(MJCF.splitlines(), 1) if 'kp="20"' in text)
     assert f"(line {line})" in finding.message
 
 
-def test_a_refusal_that_names_no_place_is_of_the_file(folder):
+def test_refusal_that_names_no_place_is_of_the_file(folder):
     assert located(folder / "arm.xml", "it is\nfull") == (Finding("arm.xml", "", "it is full"),)
 
 
@@ -218,7 +218,7 @@ def test_what_is_too_large_is_refused(tmp_path, monkeypatch, key, most, text, wo
         admitted(model)
 
 
-def test_the_pixels_of_all_images_count(tmp_path):
+def test_pixels_of_all_images_count(tmp_path):
     head = b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sII", 13, b"IHDR", 6000, 6000)
     textures = "".join(f'<texture name="{name}" type="2d" file="{name}.png"/>' for name in "ab")
     model = put(tmp_path / "m.xml", f"<mujoco><asset>{textures}</asset></mujoco>")
@@ -229,7 +229,7 @@ def test_the_pixels_of_all_images_count(tmp_path):
         admitted(model)
 
 
-def test_a_name_that_no_file_can_have_is_left_to_a_check(tmp_path):
+def test_name_that_no_file_can_have_is_left_to_a_check(tmp_path):
     model = put(tmp_path / "m.xml", MESH.format("m" * 100_000))
     assert admitted(model).assets == 0
 

@@ -26,6 +26,7 @@ from tests.support.checked import checked
 from tests.support.exports import compiled, exported
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of
+from tests.unit.validate.test_parity_check import heavier
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_score")]
 
@@ -52,7 +53,7 @@ def _robot(links, above):
     return robot_with(rows)
 
 
-def test_the_more_links_the_fewer_poses():
+def test_more_links_the_fewer_poses():
     assert {len(samples(robot)[1]) for robot in (chain(3), tree(150))} == {POSES}
     assert len(samples(tree(1000))[1]) == 20
     assert len(samples(tree(3000))[1]) == MIN_POSES
@@ -76,29 +77,21 @@ def test_products_are_those_of_the_whole_matrix():
     np.testing.assert_allclose(whole[0], mass_matrix(robot, first), rtol=1e-8, atol=1e-10)
 
 
-def test_a_small_robot_is_compared_as_a_whole():
+def test_small_robot_is_compared_as_a_whole():
     assert probes(np.ones((2, MAX_WHOLE_DOFS))) is None
 
 
 @pytest.mark.parametrize("ending", ["xml", "urdf"])
-def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path, ending):
+def test_mass_a_little_off_is_found_in_a_large_robot(tmp_path, ending):
     robot = tree(MANY)
     write(robot, tmp_path)
     file = tmp_path / f"robot.{ending}"
     assert {check.name: check.passed for check in _parity(tmp_path, robot)}[f"{file.name}: parity in MuJoCo"]
-    text = file.read_text()
-    key = 'mass="' if ending == "xml" else '<mass value="'
-    at_link = text.index(f'<{"body" if ending == "xml" else "link"} name="l{MANY // 2}"')
-    start = text.index(key, at_link) + len(key)
-    end = text.index('"', start)
-    file.write_text(text[:start] + repr(float(text[start:end]) * (1 + 1e-5)) + text[end:])
-    parity = next(
-        check for check in _parity(tmp_path, robot) if check.name == f"{file.name}: parity in MuJoCo"
-    )
+    tag, key = ("body", 'mass="') if ending == "xml" else ("link", '<mass value="')
+    heavier(file, f'<{tag} name="l{MANY // 2}".*?{key}', 1e-5)
+    parity = {check.name: check for check in _parity(tmp_path, robot)}[f"{file.name}: parity in MuJoCo"]
     assert not parity.passed
-    assert f'joint "l{MANY // 2}_joint"' in {finding.element for finding in parity.findings} | {
-        'joint "l1_joint"'
-    }
+    assert f'joint "l{MANY // 2}_joint"' in {finding.element for finding in parity.findings}
     assert "mass matrix" in parity.detail
 
 
@@ -106,7 +99,7 @@ def _parity(folder, robot):
     return [problem for problem in checked(folder, robot, plan_of()) if problem.code == "C-PARITY"]
 
 
-def test_a_second_engine_is_not_asked_of_too_many_dofs(tmp_path):
+def test_second_engine_is_not_asked_of_too_many_dofs(tmp_path):
     pytest.importorskip("pinocchio")
     robot = tree(MANY)
     write(robot, tmp_path)
@@ -130,7 +123,7 @@ def _spheres(robot):
 
 
 @pytest.mark.parametrize("changed", [False, True])
-def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path, changed):
+def test_pairs_that_are_looked_at_are_those_that_matter(tmp_path, changed):
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
     model = compiled(exported(robot, geometry))
@@ -156,7 +149,7 @@ def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path, changed):
     assert [finding.element for finding in check.findings] == wrong[: len(check.findings)]
 
 
-def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links():
+def test_pairs_of_a_urdf_are_in_the_order_of_its_links():
     robot = _spheres(tree(12))
     geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
     pairs, _ = excluded_pairs(Written(robot, geometry=geometry))
@@ -169,7 +162,7 @@ def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("make", [chain, tree])
-def test_a_thousand_links_take_seconds_and_little_memory(tmp_path, make):
+def test_thousand_links_take_seconds_and_little_memory(tmp_path, make):
     for name, links in (("warm", 3), ("large", 1000)):
         robot = make(links)
         write(robot, tmp_path / name)

@@ -35,7 +35,7 @@ def box(mass=MASS, inertia=1.0, com=(0.3, 0.4, 0.5)):
 FIT, DENSITY, CENTRE = "inertia fits the shape", "density of matter", "centre of mass in the shape"
 
 
-def test_a_solid_box_has_its_radius_of_gyration_and_its_density():
+def test_solid_box_has_its_radius_of_gyration_and_its_density():
     checks = box()
     assert [check.passed for check in checks] == [True] * 3
     # √((a² + b²) / 12) of the half diagonal ½ √(a² + b²), about each axis.
@@ -69,7 +69,7 @@ def test_other_units_are_an_error_that_names_them(change, name, attribute, value
         assert only(checks, FIT).warns
 
 
-def test_a_shape_in_millimetres_is_an_error():
+def test_shape_in_millimetres_is_an_error():
     large = body(1, "0 0 0", ".01 .01 .01", '<geom type="box" size="100 100 100"/>')
     wrong = only(check(world_of(large)), DENSITY)
     assert wrong.fails
@@ -88,7 +88,7 @@ def test_what_a_hidden_part_may_do_is_a_warning(change, name):
     assert only(box(**change), name).warns
 
 
-def test_a_mesh_is_measured_by_its_vertices():
+def test_mesh_is_measured_by_its_vertices():
     """A tetrahedron with its corners at the origin and on the axes, and its mass at its centroid: the corner
     farthest from the axis along z through the centroid (¼, ¼, ¼) is (1, 0, 0)."""
     more = '<asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>'
@@ -166,7 +166,7 @@ def test_how_far_an_axis_misses(off, passed):
     assert [finding.element for finding in check.findings] == ([] if passed else ['joint "arm"'])
 
 
-def test_an_axis_through_the_parent_is_near():
+def test_axis_through_the_parent_is_near():
     """The arm's ball is far, the base's is where the axis is: 0.5 below the arm's origin, in the arm's frame
     at (0.48, 0, -0.14): the arm is turned by 2 atan(3/4) about y."""
     (check,) = outcome("0 1 0", "0.48 0 -0.14")

@@ -43,21 +43,21 @@ def results(code, name="my_checks.light", **keys):
 
 
 @pytest.mark.parametrize("code", [light, Light], ids=["function", "class"])
-def test_a_function_and_a_class_get_the_model_and_the_keys(code):
+def test_function_and_a_class_get_the_model_and_the_keys(code):
     (heavy,) = results(code)
     assert (heavy.name, heavy.passed, heavy.value, heavy.code) == ("robot.xml: weight", False, 2.0, "X-LIGHT")
     assert heavy.fails
     assert results(code, most=3.0)[0].passed
 
 
-def test_a_single_check_and_a_code_of_its_own():
+def test_single_check_and_a_code_of_its_own():
     (check,) = results(lambda compiled: Check("it", True, "", code="X-MINE"))
     assert check.code == "X-MINE"
     (other,) = results(lambda compiled: Check("it", True, "", code="C-MASS"))
     assert other.code == "X-LIGHT"
 
 
-def test_an_error_is_one_message_with_its_place():
+def test_error_is_one_message_with_its_place():
     (check,) = results(broken, "my_checks.broken")
     place = f"(test_own_checks.py, line {broken.__code__.co_firstlineno + 2})"
     assert (check.passed, check.code) == (False, "X-BROKEN")
@@ -73,7 +73,7 @@ def test_what_is_no_check_is_said(gives):
     assert "must yield checks" in check.detail
 
 
-def test_a_target_is_covered_by_its_module_and_those_above_it():
+def test_target_is_covered_by_its_module_and_those_above_it():
     assert is_in_modules("mine.light", ["mine"])
     assert is_in_modules("mine.deep.light", ["mine"])
     assert is_in_modules("mine.deep.light", ["mine.deep"])
@@ -84,7 +84,7 @@ def test_a_target_is_covered_by_its_module_and_those_above_it():
 CHECKS = {"validate": {"checks": [{"_target_": "mine.light"}]}}
 
 
-def test_code_of_a_module_that_is_not_trusted_is_refused_and_says_how_to_trust():
+def test_code_that_is_not_trusted_is_refused_with_its_remedy():
     (problem,) = forbidden_targets(CHECKS, "linkwright robot=arm")
     assert (problem.code, problem.where) == ("E-TRUST", "validate.checks[0]._target_")
     assert problem.hint == "if you trust it: linkwright robot=arm 'plugins=[mine]'"
@@ -107,7 +107,7 @@ def test_code_anywhere_else_is_refused_whatever_is_trusted():
         ("os.path.join", "belongs to no module that plugins names"),
     ],
 )
-def test_a_target_that_cannot_be_found(path, said):
+def test_target_that_cannot_be_found(path, said):
     assert target({"_target_": "json.dumps"}, ["json"], "") is json.dumps
     with pytest.raises(ConfigError) as caught:
         target({"_target_": path}, ["no_such_module_here", "json"], "validate.checks.0")
@@ -115,7 +115,7 @@ def test_a_target_that_cannot_be_found(path, said):
     assert caught.value.where == "validate.checks.0"
 
 
-def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
+def test_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     Path("my_light_checks.py").write_text("def light(compiled): return []\n")
@@ -127,7 +127,7 @@ def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     assert sources(["time"]) is None
 
 
-def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only_there(tmp_path, monkeypatch):
+def test_modules_of_the_working_folder_are_found_if_trusted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     package = tmp_path / "lab_of_mine"
@@ -153,7 +153,7 @@ def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only
     assert sys.path == path
 
 
-def test_a_check_that_imports_ours_by_a_former_name_is_told_the_new_one(tmp_path, monkeypatch):
+def test_check_that_imports_a_former_name_is_told_the_new_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     monkeypatch.setattr(sys, "path", [place for place in sys.path if Path(place).resolve() != PROJECT])
@@ -175,7 +175,7 @@ def light(compiled, most):
 
 
 @pytest.mark.e2e
-def test_a_build_runs_them_from_the_working_folder(tmp_path):
+def test_build_runs_them_from_the_working_folder(tmp_path):
     (tmp_path / "my_own_checks.py").write_text(OWN)
     words = ["robot=sample", "mesh=visual", "output=out", "export=mjcf"]
     words.append("validate.checks=[{_target_: my_own_checks.light, most: 0.5}]")

@@ -37,7 +37,7 @@ def meetings(text, robot=TWO):
     return [row for row in (check.table.rows if check.table else ()) if row[0] == "arm"], check
 
 
-def test_the_pair_the_angle_and_the_depth():
+def test_pair_the_angle_and_the_depth():
     """Balls on one circle meet where their chord is as long as two radii, and are deepest where they are one:
     at the end of the range, which is one of the angles that are tried."""
     ((joint_name, body, other, first, deepest, depth),), check = meetings(ball_and_post(END))
@@ -64,7 +64,7 @@ def test_links_that_do_not_meet_pass(text):
     assert meetings(text)[0] == []
 
 
-def test_a_joint_without_a_range_turns_once():
+def test_joint_without_a_range_turns_once():
     text = ball_and_post(3.0).replace(f'range="-{END} {END}"', "")
     rows, _ = meetings(text)
     there, back = sorted(row[3] for row in rows)
@@ -72,7 +72,7 @@ def test_a_joint_without_a_range_turns_once():
     assert back > 3.0 - 2 * math.asin(RADIUS / LONG)
 
 
-def test_a_side_without_a_limit_is_one_turn():
+def test_side_without_a_limit_is_one_turn():
     """As a file says that a joint is limited on one side: by a number that nothing reaches."""
     rows, _ = meetings(ball_and_post(END).replace(f'range="-{END} {END}"', 'range="-1e6 1.5"'))
     assert len(rows) == 2
@@ -104,7 +104,7 @@ FOUR_BAR = """<mujoco><compiler angle="radian"/><worldbody>
 <actuator><position joint="crank"/></actuator></mujoco>"""
 
 
-def test_a_parallelogram_is_closed_by_equal_angles():
+def test_parallelogram_is_closed_by_equal_angles():
     model = mujoco.MjModel.from_xml_string(FOUR_BAR)
     pose = model.qpos0.copy()
     solver = EqualitySolver(model)
@@ -113,7 +113,7 @@ def test_a_parallelogram_is_closed_by_equal_angles():
         assert pose == pytest.approx([value, -value, value], abs=1e-4)
 
 
-def test_an_angle_that_no_loop_reaches():
+def test_angle_that_no_loop_reaches():
     """A rod that is too short to let the crank turn all the way."""
     model = mujoco.MjModel.from_xml_string(
         FOUR_BAR.replace('pos="0 .3 0"/></body>\n</w', 'pos="0 .05 0"/></body>\n</w')
@@ -134,7 +134,7 @@ def test_of_a_loop_the_driven_joints_are_swept_else_all():
     assert names(ball_and_post(1.0, GEAR)) == ["arm"]
 
 
-def test_a_robot_that_collides_with_nothing_is_not_looked_at():
+def test_robot_that_collides_with_nothing_is_not_looked_at():
     text = ball_and_post(END).replace("<geom", '<geom contype="0" conaffinity="0"')
     assert list(reach.check(compiled_of(text, TWO))) == []
 

@@ -94,7 +94,7 @@ def test_every_loop_passes_every_check(kind, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["ball", "pin_slot"])
-def test_a_loop_that_begins_on_the_root_passes_every_check(kind, tmp_path):
+def test_loop_that_begins_on_the_root_passes_every_check(kind, tmp_path):
     """The loop has the same values, seen from the other side."""
     robot = looped(kind)
     (shut,) = robot.loops
@@ -128,7 +128,7 @@ def test_every_loop_of_a_usd_passes_every_check(kind, shifted, tmp_path):
 
 
 @pytest.mark.parametrize("folder", ["", "model://robot/"])
-def test_a_mesh_of_an_sdf_that_is_not_there_is_found(folder, tmp_path):
+def test_mesh_of_an_sdf_that_is_not_there_is_found(folder, tmp_path):
     mesh = f"<mesh><uri>{folder}assets/one.stl</uri></mesh>"
     visual = f'<visual name="lost"><geometry>{mesh}</geometry></visual>'
     (fault,) = table("sdf", ("a mesh", sub("</link>", f"{visual}</link>"), "meshes"))
@@ -144,7 +144,7 @@ ANGLES = (3e-9, 1.1e-7, 1.3e-5, 7.7e-3, 3.0, 4e-8, 3e-6, 4.7e-4, 0.3)
 
 
 @pytest.mark.parametrize("angle", mostly_slow(ANGLES, 5))
-def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle, tmp_path):
+def test_link_that_is_turned_by_any_angle_stands_where_it_is(angle, tmp_path):
     """A USD has single precision: it finds the angle as 2 arccos w, where w has steps of 1.1e-16."""
 
     def turned(by):
@@ -161,7 +161,7 @@ def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle, tmp_path):
     assert not outcomes("usd", Written(other), tmp_path)["home"]
 
 
-def test_a_link_may_have_the_name_of_its_robot(tmp_path):
+def test_link_may_have_the_name_of_its_robot(tmp_path):
     rows = [joint("revolute", "base", "robot"), joint("prismatic", "robot", "hand")]
     assert failed("usd", robot_with(rows, fixed=True), tmp_path) == []
 
@@ -197,7 +197,7 @@ def good(tmp_path_factory):
 
 
 @pytest.mark.parametrize("fault", [*SDF, *USD, *DRIVES], ids=lambda fault: f"{fault.title}: {fault.expects}")
-def test_a_fault_fails_the_check_that_is_meant_for_it(fault, good, tmp_path):
+def test_fault_fails_the_check_that_is_meant_for_it(fault, good, tmp_path):
     written = good("servo" if fault in DRIVES else fault.file, tmp_path)
     fault.change(tmp_path, "robot")
     wrong = [name for name, holds in outcomes(fault.file, written, tmp_path).items() if not holds]
@@ -215,7 +215,7 @@ def test_what_cannot_be_read_is_one_failed_check_that_says_why(fault, good, tmp_
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "#usda 1.0\n"])
-def test_a_usd_that_cannot_be_read_is_one_failed_check(text, good, tmp_path):
+def test_usd_that_cannot_be_read_is_one_failed_check(text, good, tmp_path):
     written = good("usd", tmp_path)
     (tmp_path / "robot.usda").write_text(text)
     assert outcomes("usd", written, tmp_path) == {"reads": False}

@@ -57,7 +57,7 @@ def test_there_are_thirty_five():
     assert len({point.title for point in POINTS}) == 35
 
 
-def test_a_good_robot_misses_nothing(good):
+def test_good_robot_misses_nothing(good):
     by_number = verdicts(*good)
     assert {number: words for number, (verdict, words) in by_number.items() if verdict == MISSING} == {}
     aside = [number for number, (verdict, _) in by_number.items() if verdict == NOT_APPLICABLE]
@@ -71,7 +71,7 @@ def copy(good, tmp_path):
 
 
 @pytest.mark.parametrize("fault", READINESS, ids=lambda fault: fault.kind)
-def test_a_fault_is_found_under_its_number(copy, fault):
+def test_fault_is_found_under_its_number(copy, fault):
     fault.change(copy[1], "robot")
     if fault.kind == "a base that floats" and mujoco.__version__ < "3.4":
         pytest.skip("this MuJoCo refuses keyframes of another length")
@@ -106,7 +106,7 @@ def test_what_a_published_model_has_beside_it(copy):
     assert "add README.md, LICENSE beside" in words
 
 
-def test_a_file_twice_and_one_that_is_no_stl(copy):
+def test_file_twice_and_one_that_is_no_stl(copy):
     assets = copy[1] / "assets"
     assets.mkdir()
     for name in ("a.stl", "b.stl"):
@@ -118,7 +118,7 @@ def test_a_file_twice_and_one_that_is_no_stl(copy):
     assert "nothing uses assets/a.stl" in by_number[3][1]
 
 
-def test_a_file_that_broke_ends_no_score(copy):
+def test_file_that_broke_ends_no_score(copy):
     (copy[1] / "robot.urdf").write_text("<robot")
     (copy[1] / "robot.json").write_text("{")
     by_number = verdicts(*copy)

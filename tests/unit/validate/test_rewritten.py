@@ -66,7 +66,7 @@ def test_what_means_something_else_is_a_difference(name):
     assert list(differences(name, expected.encode(), data.encode())) or "tag" in name or "broken" in name
 
 
-def test_a_long_row_says_only_where_it_differs():
+def test_long_row_says_only_where_it_differs():
     names = [f"joint_{number}" for number in range(30)]
     expected = f"joints: [{', '.join(names)}]\n".encode()
     (difference,) = differences("a.yaml", expected.replace(b"joint_29", b"joint_30"), expected)

@@ -29,13 +29,13 @@ def pendulum(mass=1.0, length=0.5, moment=1e-3, joint=""):
     )
 
 
-def test_a_pendulum_keeps_its_energy():
+def test_pendulum_keeps_its_energy():
     verdict = only(energy.check(world_of(pendulum())), "energy")
     assert verdict.passed
     assert 0.0 < verdict.value < 1e-6
 
 
-def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
+def test_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
     """Small swings are those of a linear oscillator, whose energy the method of fourth order multiplies in
     each step by 1 - z⁶/72 + z⁸/576, z = ω h."""
     length = 1e-4
@@ -52,7 +52,7 @@ def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
 
 
 @pytest.mark.parametrize("kind", ["hinge", "ball"])
-def test_a_chain_that_tumbles_keeps_its_energy(kind):
+def test_chain_that_tumbles_keeps_its_energy(kind):
     links = "".join(
         f'<body name="b{n}" pos=".3 0 0"><joint name="j{n}" type="{kind}"/>'
         '<inertial mass=".5" pos=".1 .02 .03" diaginertia=".001 .002 .0025"/>'
@@ -64,7 +64,7 @@ def test_a_chain_that_tumbles_keeps_its_energy(kind):
     assert verdict.value > 0.0
 
 
-def test_an_inertia_of_nothing_is_an_error():
+def test_inertia_of_nothing_is_an_error():
     """Its swings, √(g / l) = 990 rad/s, are too fast for a sixteenth of the step, where ω h is 3.1."""
     more = '<option timestep="0.05"/>'
     verdict = only(energy.check(world_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
@@ -72,7 +72,7 @@ def test_an_inertia_of_nothing_is_an_error():
     assert verdict.findings[0].attribute == "timestep"
 
 
-def test_a_force_that_takes_energy_is_an_error(monkeypatch):
+def test_force_that_takes_energy_is_an_error(monkeypatch):
     """A damper that is left in: the energy falls by 2 · ½ b ω² per second, where ½ I ω² is the most."""
     monkeypatch.setattr("linkwright.stages.validate.simulate.energy.PASSIVE", ())
     text = pendulum(length=0.0, moment=1.0, joint='damping="0.01"')
@@ -104,7 +104,7 @@ BALLS = (
     ("low", "high", "depths"),
     [(0.0996, 0.2992, {}), (0.0994, 0.3, {("low", "the ground"): 0.6}), (0.1, 0.293, {("high", "low"): 7.0})],
 )
-def test_a_start_deeper_than_half_a_millimetre_is_an_error(low, high, depths):
+def test_start_deeper_than_half_a_millimetre_is_an_error(low, high, depths):
     (result,) = start.check(world_of(BALLS.format(low=low, high=high)))
     assert result.passed == (not depths)
     assert result.fails == bool(depths)
@@ -125,7 +125,7 @@ def test_at_qpos0_it_is_a_warning_where_there_is_a_home():
 
 
 @pytest.mark.parametrize("fixed", [True, False])
-def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(fixed):
+def test_base_in_the_ground_is_an_error_unless_it_is_fixed(fixed):
     compiled = world_of(BALLS.format(low=0.1, high=0.4), robot_with([], fixed=fixed), more=HOME.format(0.05))
     verdict = only(start.check(compiled), "start at home")
     assert (verdict.fails, verdict.warns) == (not fixed, fixed)
@@ -144,7 +144,7 @@ def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(f
         ),
     ],
 )
-def test_an_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixed):
+def test_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixed):
     robot = robot_with([], fixed=fixed)
     text = BALLS.format(low=0.1, high=0.4).replace('name="low"', f'name="{robot.root.name}"')
     compiled = world_of(thing + text, robot, more=HOME.format(0.1))
@@ -155,7 +155,7 @@ def test_an_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixe
     assert called in verdict.detail
 
 
-def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
+def test_contact_as_reported_is_a_warning_and_deeper_an_error():
     text, more = BALLS.format(low=0.1, high=0.293), HOME.format(0.1)
     for depth, fails in ((0.007, False), (0.003, True)):
         geometry = Geometry((), {}, touching=(Touch("low", "high", depth),))
@@ -190,7 +190,7 @@ SERVO = (
 )
 
 
-def test_a_servo_sags_by_the_weight_over_its_stiffness():
+def test_servo_sags_by_the_weight_over_its_stiffness():
     """At rest kp · sag is the torque of the weight, m g l sin(q)."""
     kp, q, sag = 100.0, 1.0, 0.0
     for _ in range(50):
@@ -200,7 +200,7 @@ def test_a_servo_sags_by_the_weight_over_its_stiffness():
     assert verdict.value == pytest.approx(sag / rest.MAX_SAG, rel=1e-3)
 
 
-def test_a_servo_that_is_too_weak_is_a_warning():
+def test_servo_that_is_too_weak_is_a_warning():
     weak = world_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))
     verdict = only(rest.check(weak), "rests at home")
     assert verdict.warns
@@ -208,7 +208,7 @@ def test_a_servo_that_is_too_weak_is_a_warning():
 
 
 @pytest.mark.parametrize("ground", [True, False])
-def test_a_joint_that_nothing_drives_and_a_base_that_falls_are_warnings(ground):
+def test_undriven_joint_and_falling_base_are_warnings(ground):
     """A base can stand only where something carries it: without a ground it floats in space."""
     swing = pendulum().replace("bob", "other").replace("swing", "idle").replace('0 1 0"', '0 1 0" ref="60"')
     base = '<body name="base" pos="5 0 1"><freejoint name="base"/><geom type="sphere" size=".1"/></body>'
@@ -240,7 +240,7 @@ def shaky(kv):
     return world_of(pendulum(joint=joint), more=option + SERVO.format(kp=50, kv=kv, q=0.0))
 
 
-def test_a_servo_that_noise_blows_up_is_an_error_though_it_rests():
+def test_servo_that_noise_blows_up_is_an_error_though_it_rests():
     """The inertia about the joint is 0.251 kg m²: above 251 N m s/rad steps of 2 ms overshoot."""
     assert only(control_noise.check(shaky(5.0)), "control noise").passed
     compiled = shaky(400.0)
@@ -271,7 +271,7 @@ def test_noise_fills_the_range_of_each_control():
         ((-1e6, 1e6), (-math.pi, math.pi)),
     ],
 )
-def test_a_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, ends):
+def test_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, ends):
     """What the MJCF has for an open end, ±1e6 rad, is no target for a servo."""
     more = '<compiler angle="radian"/><actuator><position joint="swing" kp="1"/></actuator>'
     joint = f'range="{limits[0]} {limits[1]}" limited="true"'
@@ -291,7 +291,7 @@ def spring(stiffness):
 
 
 @pytest.mark.parametrize(("speed", "passes"), [(400.0, True), (600.0, False)])
-def test_a_spring_that_double_the_step_does_not_resolve_is_a_warning(speed, passes):
+def test_spring_that_double_the_step_misses_is_a_warning(speed, passes):
     """The symplectic step holds while ω h is below 2: at 4 ms up to 500 rad/s."""
     checks = list(time_step.check(spring(speed**2)))
     assert only(checks, "half the time step").passed
@@ -313,7 +313,7 @@ def test_what_cannot_move_is_not_simulated(check):
     assert list(check(world_of('<body name="b"><geom size="1"/></body>'))) == []
 
 
-def test_the_speed_is_measured_of_the_scene_with_strict_alone(tmp_path):
+def test_speed_is_measured_of_the_scene_with_strict_alone(tmp_path):
     (tmp_path / "scene.xml").write_text(f"<mujoco><worldbody>{pendulum()}</worldbody></mujoco>")
     (tmp_path / "arm.xml").write_text("<mujoco/>")
     measures = measured(tmp_path, "arm", "strict")

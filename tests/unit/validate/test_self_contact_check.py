@@ -50,7 +50,7 @@ def test_what_was_exported_passes(self, made, tmp_path):
     assert failures(robot, geometry, tmp_path) == []
 
 
-def test_the_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
+def test_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
     """The arm stands in it, and is excluded from contact with the world's own shapes alone."""
     bare = robot_with([joint("revolute", "world", "arm", place=at(0, 0, -0.1))], root="world")
     robot = replace(bare, links=tuple(replace(link, shapes=(ball(0.21),)) for link in bare.links))
@@ -65,22 +65,16 @@ def test_the_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
     assert failures(robot, geometry, tmp_path) == []
 
 
-def test_the_pairs_that_touch_as_reported_are_counted(tmp_path):
+def test_pairs_that_touch_as_reported_are_counted_if_the_geometry_is_known(tmp_path):
     robot = closed_gripper()
     geometry = geometry_of(robot)
     write(robot, tmp_path, geometry=geometry)
-    details = [
-        check.detail
-        for check in checked(tmp_path, robot, plan_of(), geometry=geometry)
-        if "contact with itself" in check.name
-    ]
-    assert details == ["1 pair of links touches at home, as reported"]
-
-
-def test_without_a_geometry_nothing_is_known(tmp_path):
-    robot = gripper()
-    write(robot, tmp_path, geometry=geometry_of(robot))
-    assert not [check for check in checked(tmp_path, robot, plan_of()) if "itself" in check.name]
+    for known, details in (
+        ({"geometry": geometry}, ["1 pair of links touches at home, as reported"]),
+        ({}, []),
+    ):
+        checks = checked(tmp_path, robot, plan_of(), **known)
+        assert [check.detail for check in checks if "contact with itself" in check.name] == details
 
 
 EXCLUDED, UNKNOWN = "which are excluded from contact", "which was not reported"
@@ -90,16 +84,15 @@ def touching():
     return base_arm_hand(hand=ball(0.06))
 
 
+def exclude(first, second):
+    return f'<exclude body1="{first}" body2="{second}"/>'
+
+
 @pytest.mark.parametrize(
     ("made", "self", "edit", "said"),
     [
-        (touching, "auto", ('<exclude body1="base" body2="hand"/>', ""), f"base and hand, {EXCLUDED}"),
-        (
-            closed_gripper,
-            "auto",
-            ('<exclude body1="left" body2="right"/>', ""),
-            f"left and right, {EXCLUDED}",
-        ),
+        (touching, "auto", (exclude("base", "hand"), ""), f"base and hand, {EXCLUDED}"),
+        (closed_gripper, "auto", (exclude("left", "right"), ""), f"left and right, {EXCLUDED}"),
         (touching, "none", ('conaffinity="2"', 'conaffinity="1"'), f"base and hand, {UNKNOWN}"),
     ],
 )
@@ -134,7 +127,7 @@ def test_pairs_are_those_of_the_robot_with_its_properties(old, new, said, tmp_pa
     assert {finding.attribute for finding in findings} == {said}
 
 
-def test_a_pair_that_touches_and_is_not_reported_fails(tmp_path):
+def test_pair_that_touches_and_is_not_reported_fails(tmp_path):
     robot = closed_gripper()
     geometry = geometry_of(robot)
     assert in_mujoco(compiled(exported(robot, geometry)), robot, home(robot)) == {("left", "right")}

@@ -49,7 +49,7 @@ def test_what_was_written_passes(root, tmp_path):
 
 
 @pytest.mark.parametrize("fault", SENSING, ids=lambda fault: fault.kind)
-def test_a_planted_fault_fails_the_check(fault, tmp_path):
+def test_planted_fault_fails_the_check(fault, tmp_path):
     robot = chain()
     outcome = write(robot, tmp_path, plan_of(**KEYS))
     fault.change(tmp_path, "robot")

@@ -58,7 +58,7 @@ def test_joints_that_nothing_drives_must_be_passive(tmp_path):
     assert more == [('passive_joint "tool_fixed"', "name")]
 
 
-def test_a_turned_ball_is_found_by_its_joints(tmp_path):
+def test_turned_ball_is_found_by_its_joints(tmp_path):
     turned = findings(tmp_path, '<joint name="wrist_y" value="0"/>', '<joint name="wrist_y" value="0.1"/>')
     assert turned
     assert {attribute.partition("_")[0] for _, attribute in turned} == {"joint wrist"}
@@ -75,7 +75,7 @@ OWN = """
 </robot>"""
 
 
-def test_an_end_effector_needs_no_parent_group(tmp_path):
+def test_end_effector_needs_no_parent_group(tmp_path):
     """It is optional in the format, and the SRDFs of legged robots have none."""
     own = '<end_effector name="foot" group="all" parent_link="base"/></robot>'
     assert ('end_effector "foot"', "parent_group") not in findings(tmp_path, "</robot>", own)
@@ -94,7 +94,7 @@ def test_what_a_user_adds_must_fit_the_robot(fault, tmp_path):
     assert (element, attribute) in problems_of(tmp_path)
 
 
-def test_a_link_of_the_users_own_xml_is_known(tmp_path):
+def test_link_of_the_users_own_xml_is_known(tmp_path):
     held = '<joint name="held" type="fixed"><parent link="hand"/><child link="camera"/></joint>'
     xml = f'<link name="camera"/>{held}'
     own = {"elements": {"camera": {"into": {"tag": "robot"}, "xml": xml, "formats": ["urdf"]}}}
@@ -103,7 +103,7 @@ def test_a_link_of_the_users_own_xml_is_known(tmp_path):
     assert findings(tmp_path, "</robot>", added) == [('group "seen"', "chain tip_link")]
 
 
-def test_a_pair_that_touches_at_home_is_not_apart(tmp_path):
+def test_pair_that_touches_at_home_is_not_apart(tmp_path):
     limits = {name: Limits(-1, 1) for name in ("shoulder", "elbow")}
     rows = [
         joint("revolute", "base", "upper", name="shoulder", place=at(0.3, 0, 0), limits=limits),

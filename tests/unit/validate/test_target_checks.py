@@ -151,7 +151,7 @@ EVERYTHING = f"""<mujoco><option solver="PGS" integrator="implicit" cone="ellipt
 
 @NEEDS_WORDS
 @pytest.mark.usefixtures("guests_at_home")
-def test_of_a_model_with_everything_each_thing_is_named_also_by_the_verb(tmp_path, capsys):
+def test_each_thing_of_a_model_with_everything_is_named(tmp_path, capsys):
     path = tmp_path / "robot.xml"
     path.write_text(EVERYTHING)
     check, *_ = judge_file("mjx", path)
@@ -179,7 +179,7 @@ def test_of_a_model_with_everything_each_thing_is_named_also_by_the_verb(tmp_pat
         (arm(geom='castshadow="false"'), "4.0", []),
     ],
 )
-def test_a_version_of_mujoco_is_told_by_the_words_that_came_later(text, version, expected, tmp_path):
+def test_version_of_mujoco_is_told_by_the_words_that_came_later(text, version, expected, tmp_path):
     assert things("mujoco", text, tmp_path, version) == expected
 
 
@@ -237,7 +237,7 @@ def check_of(target, path):
     return check
 
 
-def test_a_format_that_an_engine_does_not_read_fails(tmp_path):
+def test_format_that_an_engine_does_not_read_fails(tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text('<robot name="arm"><link name="a"/></robot>')
     check = check_of("gazebo", urdf)
@@ -296,7 +296,7 @@ SDF = """<sdf version="1.9"><model name="arm"><link name="a"/><link name="b"/><l
 <joint name="shut" type="ball"><parent>c</parent><child>b</child></joint></model></sdf>"""
 
 
-def test_an_sdf_is_judged_by_its_text(tmp_path):
+def test_sdf_is_judged_by_its_text(tmp_path):
     sdf = tmp_path / "arm.sdf"
     sdf.write_text(SDF)
     for target in ("gazebo", "drake"):
@@ -305,7 +305,7 @@ def test_an_sdf_is_judged_by_its_text(tmp_path):
         assert (loops, named(check)) == (['joint "shut"'], ["loops", "relations"])
 
 
-def test_pybullet_gives_a_kilogram_to_links_without_an_inertial_but_none_to_the_world(tmp_path):
+def test_pybullet_gives_a_kilogram_to_links_without_inertials(tmp_path):
     inertial = '<inertial><mass value="1"/></inertial>'
     urdf = tmp_path / "arm.urdf"
     joints = "".join(
@@ -329,7 +329,7 @@ def test_words_that_the_mujoco_of_mjx_lacks_are_refused(tmp_path):
     assert things("mjwarp", text, tmp_path) == []
 
 
-def test_a_pair_has_its_own_dimension_and_margin(tmp_path):
+def test_pair_has_its_own_dimension_and_margin(tmp_path):
     def paired(first, second, pair, option=""):
         contact = f'<contact><pair name="p" geom1="ga" geom2="gb" {pair}/></contact>'
         return two(first, second).replace("</mujoco>", f"{option}{contact}</mujoco>")
@@ -349,19 +349,19 @@ def test_two_versions_of_an_engine_have_names_of_their_own(tmp_path):
     assert names == ["robot.xml: target mujoco:3.11", "robot.xml: target mujoco:4.0"]
 
 
-def test_the_verb_lists_the_engines_that_there_are():
+def test_verb_lists_the_engines_that_there_are():
     versions = [f"mujoco:{version}" for version in get_args(MujocoVersion)]
     listed = [name for name in TARGETS if name not in versions]
     assert listed == list(ENGINES)
     assert set(versions) < set(TARGETS)
 
 
-def test_a_message_reads_as_a_sentence_of_the_thing():
+def test_message_reads_as_a_sentence_of_the_thing():
     (row,) = (row for row in rows_of("pybullet", "urdf") if row.thing == "relations")
     assert message(row).startswith("PyBullet 3.2.7, relations: left out, without a word")
 
 
-def test_a_build_is_judged_as_its_file_is_and_tells_what_only_the_model_has(tmp_path):
+def test_build_is_judged_as_its_file_and_its_model_are(tmp_path):
     robot = robot_with(
         [joint("revolute", "base", "arm"), joint("revolute", "arm", "hand")],
         relations=[Relation("Gear", "hand_joint", "arm_joint", 2.0, 0.0)],

@@ -56,7 +56,7 @@ POSES = [{"low_joint": 0.0, "up_joint": 0.0}, {"low_joint": 0.4, "up_joint": -0.
 
 
 @pytest.mark.parametrize("payload", [{}, {"tip": 3.0}, {"up": 3.0}, {"low": 0.5, "tip": 0.25}])
-def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path):
+def test_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path):
     made = compiled_model(arm(), tmp_path)
     forces = holding_forces(made.model, made.robot, POSES, payload)
     levers = {"low": (0.3, 0.0), "up": (0.5, 0.3), "tip": (0.5, 0.5)}
@@ -70,7 +70,7 @@ def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path
         assert forces["low_joint"][row] == pytest.approx(lower, abs=1e-12)
 
 
-def test_a_driver_carries_what_its_follower_has(tmp_path):
+def test_driver_carries_what_its_follower_has(tmp_path):
     """The virtual work of a relation: the driver's force, and the follower's times its rate."""
     robot = replace(arm(), relations=(Relation("gear", "up_joint", "low_joint", -1.5, 0.0),))
     poses = [{"low_joint": 0.3, "up_joint": -0.45}]
@@ -110,7 +110,7 @@ def test_one_joint_holds_a_loop_by_virtual_work(tmp_path):
         assert forces["drive"][0] == pytest.approx(slope, rel=1e-6)
 
 
-def test_an_effort_that_suffices_passes_and_one_that_does_not_is_a_warning(tmp_path):
+def test_effort_that_does_not_suffice_is_a_warning(tmp_path):
     """Stretched out, 1 kg at 0.3 m and 2 kg at 0.8 m take 18.6 N m: that is `home`, and the most."""
     need = GRAVITY * (0.3 + 2 * 0.8)
     for effort, passes in ((1.01 * need, True), (0.99 * need, False)):
@@ -126,7 +126,7 @@ def test_an_effort_that_suffices_passes_and_one_that_does_not_is_a_warning(tmp_p
     assert rows["up_joint"]["holds at most"] == pytest.approx(2 * GRAVITY * 0.3, rel=1e-2)
 
 
-def test_a_payload_may_be_too_much(tmp_path):
+def test_payload_may_be_too_much(tmp_path):
     (bare,) = check(compiled_model(arm(20.0), tmp_path))
     (loaded,) = check(compiled_model(arm(20.0), tmp_path, [("tip", 0.5)]))
     assert bare.passed
@@ -135,7 +135,7 @@ def test_a_payload_may_be_too_much(tmp_path):
     assert "0.5 kg at tip" in loaded.detail
 
 
-def test_a_payload_is_a_key(tmp_path):
+def test_payload_is_a_key(tmp_path):
     robot = arm(20.0)
     plan = plan_of(actuators=SERVOS, validate={"payload": {"tip": 0.5}})
     exported = write(robot, tmp_path, plan)

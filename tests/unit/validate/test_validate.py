@@ -72,7 +72,7 @@ def only_compared(monkeypatch):
     monkeypatch.setattr("linkwright.stages.validate.checks.MODEL_CHECKS", compared)
 
 
-def test_the_good_build_passes_every_check(good):
+def test_good_build_passes_every_check(good):
     robot, folder, _ = good
     checks = checked(folder, robot, plan_of())
     assert len(checks) > 30
@@ -85,7 +85,7 @@ PLANTED = [*urdf.FAULTS, *mjcf.BODIES, *mjcf_world.FAULTS, *mjcf.SHAPES]
 @pytest.mark.parametrize(
     "fault", [fault for fault in PLANTED if fault.title not in ABSENT], ids=lambda fault: fault.title
 )
-def test_a_planted_fault_is_found_and_named(fault, good, tmp_path, monkeypatch):
+def test_planted_fault_is_found_and_named(fault, good, tmp_path, monkeypatch):
     if fault.title == "urdf: inertia zero" and mujoco.__version__ < "3.4":
         pytest.skip("this MuJoCo does not say which link it refuses")
     _, folder, written = good
@@ -105,7 +105,7 @@ def test_what_this_mujoco_can_do_is_found_out():
     assert [ability.axes_error(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [version >= (3, 14)] * 3
 
 
-def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(copy, monkeypatch):
+def test_relations_are_read_from_text_where_mujoco_reads_none(copy, monkeypatch):
     robot, folder = copy
     file = folder / "robot.urdf"
     text = file.read_text()
@@ -116,7 +116,7 @@ def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(copy
         assert failed_of(robot, folder) == ["robot.urdf: relations"]
 
 
-def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(copy, monkeypatch):
+def test_inertia_is_judged_as_finely_as_mujoco_finds_axes(copy, monkeypatch):
     robot, folder = copy
     for name in ("robot.urdf", "robot.xml"):
         file = folder / name
@@ -216,7 +216,7 @@ def every(tmp_path_factory):
     return robot, folder, urdf_form(robot)
 
 
-def test_the_extremes_of_a_ball_are_three_turns():
+def test_extremes_of_a_ball_are_three_turns():
     """Also where the middle turn is a right angle, and the other two are one."""
     x, y, z = np.eye(3)
     for angles in ((0.3, -1.1, 2.0), (0.3, np.pi / 2, 0.4), (-2.0, -np.pi / 2, 3.0), (0.0, 0.0, 0.0)):
@@ -227,7 +227,7 @@ def test_the_extremes_of_a_ball_are_three_turns():
 
 
 @pytest.mark.parametrize("fault", ANY_JOINT, ids=lambda fault: fault.kind)
-def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(every, tmp_path, fault, monkeypatch):
+def test_fault_in_any_kind_of_joint_or_loop_fails_a_check(every, tmp_path, fault, monkeypatch):
     only_compared(monkeypatch)
     robot, folder, form = every
     bad = shutil.copytree(folder, tmp_path / "bad")
@@ -236,13 +236,13 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(every, tmp_p
     assert any(check.fails and check.name.startswith(fault.expects) for check in checks)
 
 
-def test_every_module_of_the_room_of_checks_is_a_row_of_its_table():
+def test_module_of_a_check_is_a_row_of_the_table():
     room = PROJECT / "stages/validate/checks"
     modules = [file.stem for file in room.rglob("*.py") if file.name != "__init__.py"]
     assert sorted(check.title.replace(" ", "_") for check in MODEL_CHECKS) == sorted(modules)
 
 
-def test_a_model_without_one_of_the_joints_is_checked_no_further(copy):
+def test_model_without_one_of_the_joints_is_checked_no_further(copy):
     robot, folder = copy
     file = folder / "robot.urdf"
     file.write_text(file.read_text().replace('name="rail"', 'name="rial"'))

@@ -54,6 +54,11 @@ def with_field(field, change):
     return changed
 
 
+def having(**values):
+    """Other values of some attributes of the variants."""
+    return lambda variants: replace(variants, **values)
+
+
 def put(index, value):
     def change(values):
         values[index] = value
@@ -61,6 +66,8 @@ def put(index, value):
 
     return change
 
+
+BODIES = {"body": ("world", "base", "x", "y")}
 
 BAD = {
     "nan": (with_field("body_ipos", put((3, 1, 0), np.nan)), "not finite"),
@@ -71,25 +78,16 @@ BAD = {
     "fewer": (with_field("dof_damping", lambda values: values[:5]), "another number"),
     "shape": (with_field("body_mass", lambda values: values[:, :-1].T), "body_mass"),
     "no field": (lambda model: replace(model, fields={"timestep": model.fields["body_mass"]}), "timestep"),
-    "names": (
-        lambda model: replace(model, names={**model.names, "body": ("world", "base", "x", "y")}),
-        "body_names",
-    ),
-    "geoms": (
-        lambda model: replace(model, geom_bodyid=np.full(1, 99, np.int32), geom_in_body=ZERO),
-        "geom_bodyid",
-    ),
-    "places": (
-        lambda model: replace(model, geom_bodyid=ZERO, geom_in_body=np.full(1, 9, np.int32)),
-        "geom_bodyid",
-    ),
-    "lengths": (lambda model: replace(model, geom_bodyid=ZERO), "geom_bodyid"),
-    "digest": (lambda model: replace(model, mjcf="0" * 64), "is not the file"),
+    "names": (lambda model: replace(model, names={**model.names, **BODIES}), "body_names"),
+    "geoms": (having(geom_bodyid=np.full(1, 99, np.int32), geom_in_body=ZERO), "geom_bodyid"),
+    "places": (having(geom_bodyid=ZERO, geom_in_body=np.full(1, 9, np.int32)), "geom_bodyid"),
+    "lengths": (having(geom_bodyid=ZERO), "geom_bodyid"),
+    "digest": (having(mjcf="0" * 64), "is not the file"),
 }
 
 
 @pytest.mark.parametrize("fault", BAD)
-def test_a_planted_fault_is_found(built, tmp_path, fault):
+def test_planted_fault_is_found(built, tmp_path, fault):
     change, words = BAD[fault]
     folder = shutil.copytree(built[0], tmp_path / "copy")
     good = Variants.from_bytes((folder / FILE).read_bytes())
@@ -101,7 +99,7 @@ def test_a_planted_fault_is_found(built, tmp_path, fault):
     assert words in outcomes["variants"].detail
 
 
-def test_an_edited_mjcf_is_found(built, tmp_path):
+def test_edited_mjcf_is_found(built, tmp_path):
     folder = shutil.copytree(built[0], tmp_path / "copy")
     mjcf = folder / "robot.xml"
     mjcf.write_bytes(mjcf.read_bytes().replace(b"\n", b"\r\n"))

@@ -175,6 +175,6 @@ def jaws(robot, drops):
         (False, [0.08, 0.03, 0.04], set()),  # it stands on the rod, which is a foot
     ],
 )
-def test_the_parent_of_a_finger_is_an_end_and_that_of_a_foot_is_none(fixed, drops, more):
+def test_parent_of_a_finger_is_an_end_and_that_of_a_foot_is_none(fixed, drops, more):
     robot = robot_with([joint("prismatic", "fork", "rod")], root="fork", fixed=fixed)
     assert jaws(robot, drops) == {"rod", *more}

@@ -66,7 +66,7 @@ ROBOTS = {"tree": random_robot(), "chain": random_robot(60, chain=True), "nasty"
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_nodes_of_a_level_do_not_overlap_and_parents_are_at_the_middle(seed):
+def test_nodes_do_not_overlap_and_parents_are_in_the_middle(seed):
     rng = random.Random(seed)
     order = [str(index) for index in range(120)]
     parents = {name: order[rng.randrange(index)] for index, name in enumerate(order) if index}
@@ -177,7 +177,7 @@ def table_of(lines):
 
 
 @pytest.mark.parametrize("robot", [*ROBOTS.values(), robot_with()], ids=[*ROBOTS, "single"])
-def test_no_line_is_wider_than_a_terminal_and_every_link_has_a_line(robot):
+def test_lines_fit_a_terminal_and_every_link_has_a_line(robot):
     lines = outline(robot, NARROW).splitlines()
     assert max(map(columns, lines)) <= 80
     assert all(line == printable(line) for line in lines)

@@ -131,7 +131,7 @@ def test_visual_geom_that_something_names_stays(folder, tmp_path):
     assert copy.ngeom == models(folder)[1].ngeom + 1
 
 
-def test_inertias_are_those_of_all_geoms_where_the_file_ignores_its_own(tmp_path):
+def test_inertias_are_of_all_geoms_where_the_file_says_so(tmp_path):
     ignoring = '<compiler angle="radian" inertiafromgeom="true" '
     robot = INCLUDED.replace('<compiler angle="radian" ', ignoring).replace('density="0"', 'density="300"')
     folder = write(tmp_path, robot=robot)
@@ -186,7 +186,7 @@ NEWER = """<mujoco>
 </mujoco>"""
 
 
-def test_elements_newer_than_the_pages_mujoco_are_left_out_and_named():
+def test_elements_newer_than_the_pages_mujoco_are_left_out():
     root = parse(NEWER.encode())
     assert [(entry["what"], entry["place"]) for entry in remove_newer(root)] == [
         ("the attribute speculative", "flag"),

@@ -11,7 +11,7 @@ from linkwright.stages.show.live.scene import pack_of
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of
 from tests.support.building import write as export
-from tests.support.live_robots import poses, times, turned
+from tests.support.live_robots import frames_of
 
 
 @pytest.fixture(scope="module")
@@ -22,14 +22,6 @@ def sample(tmp_path_factory):
     export(robot, folder, plan)
     header, _ = pack.read_pack(pack_of(folder, "scene.xml", robot, (), 1000))
     return robot, header, mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
-
-
-def frames_of(header, qpos, loop):
-    """The places (3,) and orientations (4,) of the two frames of a loop in the world."""
-    where = poses(header, qpos)
-    for body, frame in zip(loop["bodies"], (loop["a_from"], loop["b_from"]), strict=True):
-        place, turn = where[body]
-        yield place + turned(turn, np.array(frame["pos"])), times(turn, np.array(frame["quat"]))
 
 
 def gaps(header, qpos):
@@ -62,7 +54,7 @@ def test_followers_are_on_their_relations_at_home(sample):
         assert qpos[follower["qpos"]] == pytest.approx(expected, abs=1e-9)
 
 
-def test_each_body_is_a_link_with_its_parts_and_each_actuator_drives_a_joint(sample):
+def test_body_is_a_link_with_its_parts_and_actuators(sample):
     robot, header, _ = sample
     links = {link.name: link for link in robot.links}
     for body in header["bodies"][1:]:
@@ -80,7 +72,7 @@ def test_each_body_is_a_link_with_its_parts_and_each_actuator_drives_a_joint(sam
     assert header["engine"] is not None
 
 
-def test_actuators_of_a_mujoco_without_kinds_of_inputs_are_the_same(tmp_path, monkeypatch, sample):
+def test_actuators_are_the_same_in_a_mujoco_without_input_kinds(tmp_path, monkeypatch, sample):
     monkeypatch.delattr(mujoco, "mjtCtrlInput", raising=False)
     plan = plan_of(actuators={"*": {"type": "position"}})
     robot, header, _ = sample

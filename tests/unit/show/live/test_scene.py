@@ -18,6 +18,7 @@ from tests.support.live_robots import (
     LOOPS,
     SCENE,
     bumpy,
+    frames_of,
     poses,
     times,
     triangles,
@@ -109,13 +110,10 @@ def test_frames_of_a_loop_coincide_only_where_it_is_closed(loop, tmp_path):
 
 def ends(header, loop, qpos):
     """The two frames of a loop in the world; of a connect only the points."""
-    where, frames = poses(header, qpos), []
-    for body, frame in zip(loop["bodies"], (loop["a_from"], loop["b_from"]), strict=True):
-        place, turn = where[body]
-        quat = times(turn, np.array(frame["quat"]))
-        point = place + turned(turn, np.array(frame["pos"]))
-        frames.append(point if loop["type"] == "connect" else np.array([*point, *(quat * np.sign(quat[0]))]))
-    return frames
+    frames = frames_of(header, qpos, loop)
+    if loop["type"] == "connect":
+        return [point for point, _ in frames]
+    return [np.array([*point, *(quat * np.sign(quat[0]))]) for point, quat in frames]
 
 
 def test_relation_is_zero_where_mujocos_constraint_is(whole):

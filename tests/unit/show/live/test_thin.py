@@ -46,7 +46,7 @@ def test_simpler_mesh_is_within_its_tolerance(way, tolerance):
     assert hausdorff(mesh, made) < 1.5 * tolerance + SAMPLING
 
 
-def test_all_have_one_tolerance_so_small_ones_lose_their_triangles_first():
+def test_meshes_have_one_tolerance_so_small_ones_thin_first():
     large, small = facets(bumpy(4)), facets(bumpy(4, 0.005))
     made = fitted({"large": large, "small": small}, {"large": 1, "small": 1}, 2500)
     faces = {name: len(value.corners) for name, value in made.items()}
@@ -54,7 +54,7 @@ def test_all_have_one_tolerance_so_small_ones_lose_their_triangles_first():
     assert faces["small"] < faces["large"] / 5
 
 
-def test_uses_are_counted_and_few_triangles_stay_and_loose_triangles_are_thinned():
+def test_uses_count_and_loose_triangles_are_thinned():
     mesh = facets(bumpy(3))
     count = len(mesh.corners)
     assert fitted({0: mesh}, {0: 1}, count)[0] is mesh
@@ -101,7 +101,7 @@ def test_page_has_at_most_this_number_of_triangles_and_says_so(tmp_path):
     assert INCLUDED.count('type="mesh"') == 2
 
 
-def test_many_points_have_indices_of_four_bytes_and_flat_meshes_no_step():
+def test_many_points_have_long_indices_and_flat_meshes_no_step():
     grid = np.stack(np.meshgrid(np.arange(260.0), np.arange(260.0)), axis=-1).reshape(-1, 2)
     points = np.column_stack([grid, np.full(len(grid), 0.5)])
     first = np.arange(len(points) - 261)
@@ -114,7 +114,7 @@ def test_many_points_have_indices_of_four_bytes_and_flat_meshes_no_step():
     np.testing.assert_allclose(corners_read, points[corners], atol=259 / STEPS)
 
 
-def test_points_that_fall_together_are_one_and_their_triangles_gone():
+def test_points_that_fall_together_are_one():
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-9, 0, 0], [0, 0, 1]])
     corners = np.array([[0, 1, 2], [0, 1, 3], [3, 1, 4]])
     buffers = Buffers()
@@ -122,7 +122,7 @@ def test_points_that_fall_together_are_one_and_their_triangles_gone():
     assert (entry["positions"]["count"], entry["faces"], entry["of_faces"]) == (4, 2, 3)
 
 
-def test_pack_that_is_too_large_has_fewer_triangles_then_no_engine(tmp_path, monkeypatch):
+def test_large_pack_has_fewer_triangles_then_no_engine(tmp_path, monkeypatch):
     write(tmp_path)
     (tmp_path / "assets" / "shell.stl").write_bytes(stl(bumpy(5)))
     whole = pack_of(tmp_path, "scene.xml", robot_with(()), (), 100_000)

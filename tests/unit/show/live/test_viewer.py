@@ -49,7 +49,7 @@ def test_file_of_the_engine_has_its_digest(name):
     assert content[4:8] == bytes(4), "the time in the header: compress with gzip -n"
 
 
-def test_every_compressed_file_is_named_and_the_licences_are_those_of_the_engine():
+def test_compressed_files_are_named_and_have_their_licences():
     # The list of what the engine's MJCF knows is our own, not a file of the engine.
     assert {path.name for path in ENGINE.glob("*.gz") if not path.name.startswith("mjcf-")} == set(FILES)
     texts = {name: gzip.decompress((ENGINE / name).read_bytes()) for name in FILES if "LICENSE" in name}
@@ -103,7 +103,7 @@ def test_shared_engine_is_that_of_a_whole_page():
     assert engine_script() == engine_script()
 
 
-def test_pack_is_a_compressed_length_a_header_and_aligned_buffers():
+def test_pack_is_a_length_a_header_and_aligned_buffers():
     buffers = Buffers()
     places = [buffers.add(b"abc"), buffers.add(b"defgh"), buffers.add(b"abc")]
     assert places == [0, 4, 0]

@@ -87,7 +87,7 @@ def test_accident_fails_no_build_and_is_reported(make, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt(), LinkwrightError("the checks failed")], ids=repr)
-def test_picture_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch, end):
+def test_picture_is_drawn_beside_checks_and_ends_with_a_build(make, monkeypatch, end):
     begun, halted = threading.Event(), threading.Event()
 
     def slowly(look, kind, halt):

@@ -65,7 +65,7 @@ def shown(xml):
 @pytest.mark.parametrize(
     "xml", [arm(), arm(0.01), arm(100.0), arm(free=FREE, home="")], ids=["1 m", "10 mm", "100 m", "floats"]
 )
-def test_the_robot_is_in_the_middle_in_its_colour_and_of_a_good_size_whatever_its_own(xml):
+def test_robot_is_in_the_middle_in_its_colour_and_large(xml):
     pixels = shown(xml)
     robot = robot_in(pixels)
     assert 0.05 < robot.mean() < 0.6
@@ -84,12 +84,12 @@ def test_the_robot_is_in_the_middle_in_its_colour_and_of_a_good_size_whatever_it
     assert np.ptp(corners, axis=0).max() < 30
 
 
-def test_a_robot_a_hundred_metres_high_has_the_picture_of_one_of_a_centimetre():
+def test_robot_of_any_size_has_the_same_picture():
     small, large = (shown(arm(size)).astype(int) for size in (0.01, 100.0))
     assert (np.abs(small - large).max(axis=2) > 12).mean() < 0.005
 
 
-def test_it_is_taken_at_home_or_with_the_values_given_and_is_the_same_twice():
+def test_picture_is_taken_at_home_or_at_other_values():
     at_home = shown(arm())
     without = mujoco.MjModel.from_xml_string(arm(home=""))
     placed = draw_picture(scene_of(without, {"shoulder": -0.4, "other": 1.0}), *SIZE)
@@ -97,7 +97,7 @@ def test_it_is_taken_at_home_or_with_the_values_given_and_is_the_same_twice():
     assert not np.array_equal(at_home, shown(arm(home="")))
 
 
-def test_the_scenes_own_camera_says_from_where():
+def test_scenes_own_camera_says_from_where():
     camera = '<camera name="overview" pos="-9 0 2" xyaxes="0 -1 0 0.2 0 1"/></worldbody>'
     behind = shown(arm().replace("</worldbody>", camera))
     # From behind what reaches ahead is hidden, and the robot narrow.
@@ -105,7 +105,7 @@ def test_the_scenes_own_camera_says_from_where():
     assert columns[1] < 0.7 * columns[0]
 
 
-def test_the_ground_is_darker_under_the_robot_and_the_robot_lighter_from_above():
+def test_ground_is_darker_below_and_the_robot_lighter_above():
     ball = """<mujoco><worldbody><body pos="0 0 1.02"><geom type="sphere" size="1" rgba="0.9 0.1 0.1 1"/>
       </body></worldbody></mujoco>"""
     pixels = shown(ball).astype(int)
@@ -116,7 +116,7 @@ def test_the_ground_is_darker_under_the_robot_and_the_robot_lighter_from_above()
     assert pixels[~robot].min() < 190
 
 
-def test_a_robot_without_any_geometry_has_its_joints_and_what_is_between_them():
+def test_robot_without_geometry_has_its_joints_and_links():
     xml = """<mujoco><worldbody>
       <body pos="0 0 0.5"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint/>
         <body pos="0.3 0 0"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint/>
@@ -154,7 +154,7 @@ f 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 5/5 2/2\nf 2/2 5/5 3/3\nf 3/3 5/5 4/4\nf 4/4
 """A mesh with a square towards -y, over which an image lies: the first row of the image is at vt = 1."""
 
 
-def test_a_texture_is_laid_on_the_right_way_up():
+def test_texture_is_laid_on_the_right_way_up():
     image = np.zeros((8, 8, 3), dtype=np.uint8)
     image[:4, :4], image[:4, 4:], image[4:, :4], image[4:, 4:] = RED, GREEN, BLUE, YELLOW
     xml = """<mujoco><asset><texture name="t" type="2d" file="t.png"/><material name="t" texture="t"/>
@@ -169,7 +169,7 @@ def test_a_texture_is_laid_on_the_right_way_up():
     assert np.array_equal(colours, np.array([RED, GREEN, BLUE, YELLOW]) > 120)
 
 
-def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch):
+def test_robot_of_many_triangles_is_thinned_and_looks_the_same(monkeypatch):
     ball = trimesh.creation.icosphere(4, 0.3)
     xml = """<mujoco><asset><mesh name="b" file="b.obj"/></asset><worldbody><body>
       <geom type="mesh" mesh="b" rgba="0.9 0.1 0.1 1"/></body></worldbody></mujoco>"""
@@ -185,7 +185,7 @@ def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch
     assert np.abs(np.median(pixels[0][first], axis=0) - np.median(pixels[1][second], axis=0)).max() < 12
 
 
-def test_a_robot_that_turns_stays_in_the_picture_and_is_of_one_size():
+def test_robot_that_turns_stays_in_the_picture_in_one_size():
     scene = scene_of(mujoco.MjModel.from_xml_string(arm()))
     framed, heights = swept_points(scene), []
     for angle in np.linspace(0, 2 * np.pi, 7, endpoint=False):

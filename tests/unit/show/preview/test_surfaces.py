@@ -20,7 +20,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_shape_has_its_volume_its_area_and_normals_that_point_outwards(name):
+def test_shape_has_its_volume_its_area_and_outward_normals(name):
     shape, volume, area = SHAPES[name]
     a, b, c = np.moveaxis(shape, 1, 0)
     areas = np.cross(b - a, c - a) / 2
@@ -39,7 +39,7 @@ def normals(corners, which=None, geom=None):
     return normals_of(single, np.zeros_like(rows) if geom is None else geom, rows if which is None else which)
 
 
-def test_box_keeps_its_edges_and_round_shapes_have_smooth_normals():
+def test_box_keeps_its_edges_and_round_shapes_are_smooth():
     box = solids.box(np.array([1.0, 2.0, 3.0]))
     assert np.abs(normals(box)).max(axis=2) == pytest.approx(np.ones((12, 3)))
     assert (normals(box) * box).sum(axis=2).min() > 0
@@ -50,7 +50,7 @@ def test_box_keeps_its_edges_and_round_shapes_have_smooth_normals():
     assert (normals(shape) * gradient).sum(axis=2).min() > 0.99
 
 
-def test_normals_of_some_triangles_are_those_among_all_of_their_geom():
+def test_normals_of_some_triangles_are_those_among_all():
     some = np.arange(5, len(BALL), 7)
     assert np.array_equal(normals(BALL, some), normals(BALL)[some])
     geom = (BALL.mean(axis=1)[:, 2] > 0).astype(np.int64)
@@ -126,7 +126,7 @@ def points(seed, size=1.0, at=(0.0, 0.0, 0.0)):
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize(("seed", "size"), [(0, 1.0), (2, 0.005), (3, 50.0)])
-def test_points_fill_the_picture_along_an_axis_and_are_in_its_middle(direction, seed, size):
+def test_points_fill_the_picture_and_are_in_its_middle(direction, seed, size):
     cloud = points(seed, size, at=(3 * size, -size, 7 * size))
     places = framing(cloud, np.array(direction), *SIZE).projected(cloud)
     assert (places[:, 2] > 0).all()
@@ -148,7 +148,7 @@ def test_ray_through_a_place_meets_the_point_that_is_seen_there(direction):
     assert camera.position + camera.rays(right, down) / near[:, None] == pytest.approx(cloud, abs=1e-9)
 
 
-def test_up_is_up_right_is_right_and_a_turn_is_about_the_vertical():
+def test_up_is_up_and_a_turn_is_about_the_vertical():
     cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
     camera = framing(cube, np.array([0.0, -1.0, 0.2]), *SIZE)
     assert (camera.position[1] < -1, camera.position[2] > 0) == (True, True)
