@@ -45,7 +45,7 @@ class Tree:
         shutil.copy(PROJECT / "pyproject.toml", folder)
 
     def add(self, toy):
-        """Adds the files of a toy: each has its path in the product below the toy's folder, and ends in `.txt`."""
+        """Adds the files of a toy, which have their paths below its folder, and `.txt` behind."""
         for source in sorted((TOYS / toy).rglob("*.txt")):
             file = self.folder / source.relative_to(TOYS / toy).with_suffix("")
             file.parent.mkdir(parents=True, exist_ok=True)
