@@ -88,29 +88,29 @@ def build_geometry(
     shapes_by_link, files = _name_shapes(links, uses, visuals, made_colliders, limits)
     files |= textures.images(visuals.values(), bundle)
     shapes = [shape for link in links for shape in shapes_by_link[link.name]]
-    problems = diagnostics(links, visuals, {link.name: _findings(link, uses[link.name]) for link in links})
-    problems += log.found
+    reports = diagnostics(links, visuals, {link.name: _findings(link, uses[link.name]) for link in links})
+    reports += log.found
     makers = [default_choice(keys.mesh, limits), *(choice.maker for choice in choices.values())]
     colliders_with_parts = [(made, _parts_of(made, uses)) for made in made_colliders]
-    problems += reshaped(links, colliders_with_parts, makers, shapes, keys.mesh, keys.target.chosen)
-    problems += idle_keys(keys, {maker.how for maker in makers}, bundle.kind)
-    problems += collider_reports(made_colliders)
-    problems += false_contacts(false_pairs)
-    problems += too_small_reported(_small_part_names(uses))
-    problems += com_outside_hull(links, library.meshes_of_parts, shapes, files)
+    reports += reshaped(links, colliders_with_parts, makers, shapes, keys.mesh, keys.target.chosen)
+    reports += idle_keys(keys, {maker.how for maker in makers}, bundle.kind)
+    reports += collider_reports(made_colliders)
+    reports += false_contacts(false_pairs)
+    reports += too_small_reported(_small_part_names(uses))
+    reports += com_outside_hull(links, library.meshes_of_parts, shapes, files)
     figures = [figures_of(made, [part.name for part in parts]) for made, parts in colliders_with_parts]
     # An exclude refers to shapes by their numbers, so only shapes that are written count.
     written = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
     declared = keys.mesh.basis == "declared"
     contacts = self_contacts(robot, written, files, keys.contact, memo, user_excludes, figures, declared)
-    problems += contacts.diagnostics
+    reports += contacts.diagnostics
     choice_of = _choices_by_collider(made_colliders, uses)
     contact_shapes = with_properties(shapes, choice_of, keys.geoms, contacts.by_source)
     (final_shapes, assets), left_out = convert_assets(contact_shapes, files, keys.mesh, obj_only=limits.obj)
     result = Geometry(
         final_shapes,
         assets,
-        (*problems, *left_out),
+        (*reports, *left_out),
         self_contact=contacts.on,
         excludes=contacts.excludes,
         touching=contacts.touching,

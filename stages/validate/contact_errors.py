@@ -100,21 +100,27 @@ class _PairResults:
 
 
 class _Judge:
-    """The bodies of a robot in MuJoCo, with their visual shapes and colliders, and the results so far."""
+    """The bodies of a robot in MuJoCo, with their visual shapes and colliders, and the results so far.
+
+    Bodies and geoms are indices in the model; in a pair of bodies, the lower index comes first.
+    """
 
     def __init__(self, compiled: CompiledModel) -> None:
         self.model = compiled.model
         self.data = mujoco.MjData(self.model)
-        geoms = seen_and_solid(self.model)
         body_of_link = {link.name: body_index(self.model, link.name) for link in compiled.robot.links}
         judged = {body_of_link[link.name] for link in compiled.robot.links if _is_judged(link)}
-        visuals = {body: geoms[body][0] for body in judged & geoms.keys() if geoms[body][0]}
-        bare = {body for body in visuals if not geoms[body][1] and _is_bare_by_intent(compiled, body)}
-        self.bodies = np.array(sorted(visuals.keys() - bare), dtype=int)
-        self.colliders = {int(body): geoms[int(body)][1] for body in self.bodies}
+        visuals, colliders = dict[int, list[int]](), dict[int, list[int]]()
+        for body, (visual_geoms, colliding_geoms) in seen_and_solid(self.model).items():
+            if body not in judged or not visual_geoms:
+                continue
+            if colliding_geoms or not _is_bare_by_intent(compiled, body):
+                visuals[body], colliders[body] = visual_geoms, colliding_geoms
+        self.colliders = dict(sorted(colliders.items()))
+        self.bodies = np.array(list(self.colliders), dtype=int)
         self.body_of_geom = np.full(self.model.ngeom, -1)
-        for body, body_colliders in self.colliders.items():
-            self.body_of_geom[body_colliders] = body
+        for body, geoms in self.colliders.items():
+            self.body_of_geom[geoms] = body
         self.surfaces = SeenSurfaces(self.model, visuals)
         boxes = np.array([self.surfaces.box(body) for body in self.colliders]).reshape(-1, 2, 3)
         self.box_centres, self.box_halves = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2.0
@@ -122,10 +128,10 @@ class _Judge:
         self.partly_excluded: set[tuple[int, int]] = set()
         for exclude in compiled.geometry.excludes if compiled.geometry else ():
             ends = body_of_link.get(exclude.link_a, -1), body_of_link.get(exclude.link_b, -1)
-            low, high = sorted(ends)
-            self.reasons[low, high] = exclude.reason
+            pair = min(ends), max(ends)
+            self.reasons[pair] = exclude.reason
             # Which visual shapes belong to the shapes that do not collide is unknown.
-            self.partly_excluded |= {(low, high)} if exclude.geoms else set()
+            self.partly_excluded |= {pair} if exclude.geoms else set()
         self.results: dict[tuple[int, int], _PairResults] = {}
 
     def results_of(self, first: int, second: int) -> _PairResults:

@@ -132,7 +132,7 @@ def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | 
 
 
 def _boxes(subject: Subject) -> Iterator[Primitive]:
-    """Yields two boxes for each frame: one around the part, and one that also leaves it bare."""
+    """Yields two boxes for each frame: one around the part, and a smaller one that the part stands out of."""
     for frame in subject.frames:
         yield _box(subject.outline, frame)
         yield _box(subject.outline, frame, balanced=True)
@@ -211,7 +211,7 @@ def _circle_by_normals(
 
 
 def _cylinders(subject: Subject) -> Iterator[Primitive]:
-    """Yields two cylinders for each circle: one around the part, and one that also leaves it bare."""
+    """Yields two cylinders for each circle: one around the part, and a smaller one."""
     for circle in subject.revolution_circles:
         heights = subject.outline.corners @ circle.axis
         low, high = float(heights.min()), float(heights.max())

@@ -78,6 +78,6 @@ def check_externally(
     if not names:
         return ()
     # Late: most builds ask no other checker.
-    from linkwright.stages.validate.external.run import checks
+    from linkwright.stages.validate.external.run import run_checkers
 
-    return tuple(checks(folder, robot, [TOOLS[name] for name in names], environ))
+    return tuple(run_checkers(folder, robot, [TOOLS[name] for name in names], environ))

@@ -69,7 +69,9 @@ USES = {
 """Name of a tool, as in `TOOLS` → its use."""
 
 
-def checks(folder: Path, robot: str, tools: Sequence[Tool], environ: Mapping[str, str]) -> Iterator[Check]:
+def run_checkers(
+    folder: Path, robot: str, tools: Sequence[Tool], environ: Mapping[str, str]
+) -> Iterator[Check]:
     """Yields a check for each tool and each file of the robot that the tool reads. It passes if the tool
     reports neither errors nor warnings.
 

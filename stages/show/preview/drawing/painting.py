@@ -43,8 +43,8 @@ gone."""
 
 
 def draw_picture(scene: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
-    """Draws a picture (height, width, 3) that the robot fills, or the `points` (n, 3) if they are given.
-    `width`, `height` [pixels]."""
+    """Draws a picture (height, width, 3) that is filled by the robot, or by the `points` (n, 3) if there are
+    any. `width`, `height` [pixels]."""
     shown_points = scene.corners.reshape(-1, 3) if points is None else points
     size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
     return render(scene, framing(shown_points, scene.backward, *size))
@@ -59,6 +59,7 @@ def render(scene: LitRobot, camera: Camera) -> Pixels:
     image = _ground(scene, camera)
     alpha = scene.surface.colours[scene.surface.geom, 3]
     opaque = np.flatnonzero(alpha >= _MIN_OPAQUE_ALPHA)
+    # Opaque faces are drawn first, so that they are visible through transparent ones.
     if 0 < len(opaque) < len(corners):
         nearest_opaque = nearest_triangles(corners[opaque], camera.width, camera.height)
         _paint(image, scene, camera, corners, np.where(nearest_opaque < 0, -1, opaque[nearest_opaque]))
@@ -74,6 +75,7 @@ def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, visi
     """
     side = SAMPLES_PER_SIDE
     width = image.shape[1]
+    # An array for each place in a pixel, row by row, with the sample there of each pixel.
     by_place = [visible[row::side, column::side].ravel() for row in range(side) for column in range(side)]
     pixels = np.flatnonzero(functools.reduce(np.maximum, by_place) >= 0)
     if not len(pixels):

@@ -21,6 +21,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     """Checks that the model has all links and joints of the robot, and no further dofs. If so, also checks
     the robot's name in the file, except in a scene, whose name is free."""
     robot, model = compiled.robot, compiled.model
+    # A URDF cannot say that its root floats.
     base_dofs = 0 if robot.base.fixed or compiled.urdf else 6
     expected = sum(DOFS_OF_TYPE[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + base_dofs
     expected += compiled.surplus.dofs
