@@ -148,6 +148,6 @@ def agree(document, seed):
                     assert abs(value - at_home[name]) < 1e-9, name
 
 
-@pytest.mark.parametrize(("loops", "count"), [(True, 1), pytest.param(None, 15, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("loops", "count"), [(True, 2), pytest.param(None, 15, marks=pytest.mark.slow)])
 def test_the_package_is_the_document(loops, count):
     each(agree, count, any_document(loops=loops), st.integers(0, 5))

@@ -198,7 +198,7 @@ def changes_nothing(document, root, shuffle):
     assert facts(second) == facts(first)
 
 
-def test_neither_root_nor_order_changes_what_is_cut_or_named():
+def test_root_and_order_change_no_cut_and_no_name():
     each(changes_nothing, 25, documents(everything=True, loops=True), places, places)
 
 

@@ -132,7 +132,7 @@ def touch_always(shapes, distances):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_mujoco_leaves_out_by_itself_is_known(seed):
+def test_contacts_that_mujoco_leaves_out_are_known(seed):
     """All links in one place: pairs without a contact are those for which no exclude is written."""
     bare = random_robot(100 + seed)
     names = [link.name for link in bare.links]

@@ -95,7 +95,7 @@ REFLECTION = product(PLANE, MIRROR, inverse(PLANE))
     ("kind", "values"),
     [("cylindrical", (0.04, -0.9)), ("parallel", (0.1, 0.2, 0.3, 0.4)), ("pin_slot", (0.1, 0.5))],
 )
-def test_at_equal_values_a_mirrored_limb_is_the_mirror_image(kit, kind, values, reverse):
+def test_a_mirrored_limb_is_the_mirror_image_at_equal_values(kit, kind, values, reverse):
     sub = kit.document.assembly("Limb")
     hip, shin, toe = parts = [kit.place(name, sub) for name in ("hip", "shin", "toe")]
     inner = getattr(sub, kind)("Inner", (shin, ON), (hip, OFF), tuple(0.5 * value for value in values))

@@ -115,7 +115,7 @@ def test_every_key_and_type_that_is_sent_is_in_the_description(api, document):
         sent_conforms(api, document, endpoint, element)
 
 
-def test_what_can_be_set_is_reported_as_the_description_has_it(api):
+def test_settings_are_as_in_the_description(api):
     stand, driven = configured_stand(), driven_stand()
     tools = stand.studios[2].element
     for element in (stand.root.element, tools):
@@ -217,7 +217,7 @@ def test_ids_have_onshapes_length_and_letters(document):
             assert len({part.id for part in each.parts}) == len(each.parts)
 
 
-def test_what_onshape_refuses_is_refused(document):
+def test_requests_that_onshape_refuses_are_refused(document):
     replies = Replies(document)
     definition, studios = requests(document)
     linked = next(request for request in studios if "/v/" in request)

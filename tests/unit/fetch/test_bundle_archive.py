@@ -59,7 +59,7 @@ def refused_within(most, data, why):
         tracemalloc.stop()
 
 
-def test_what_is_packed_is_read_back_and_packs_to_the_same_bytes():
+def test_a_packed_bundle_is_read_back_and_packs_the_same():
     blobs = dict(zip(DIGESTS, BODIES, strict=True))
     parts = (ROOT, MANIFEST["requests"], blobs)
     forwards, backwards = (
@@ -74,7 +74,7 @@ def test_what_is_packed_is_read_back_and_packs_to_the_same_bytes():
     assert read(zipped({"replies/": b"", **GOOD}), "x.zip").definition == DIGESTS[0]
 
 
-def test_what_is_no_zip_or_cut_or_changed_is_refused():
+def test_a_file_that_is_no_zip_or_was_changed_is_refused():
     refused(b"", "not a zip file")
     refused(b"<html>sign in</html>", "not a zip file")
     data = zipped(GOOD, zipfile.ZIP_STORED)

@@ -65,7 +65,7 @@ def test_a_reply_that_is_not_what_was_asked_for_is_not_kept(body, kept):
     assert body not in kept.values()
 
 
-def test_what_is_no_assembly_or_another_one_or_empty_is_reported():
+def test_a_wrong_or_an_empty_assembly_is_reported():
     document, nothing = desk(), Document("Nothing")
     nothing.assembly("Nothing")
     with OnshapeServer(document) as server:
@@ -109,7 +109,7 @@ class TestBeforeTheFirstStage:
         with pytest.raises(ConfigError, match="is a folder"):
             stage.preflight(recording("folder"), {})
 
-    def test_what_can_change_has_no_identity_and_what_cannot_has_one(self):
+    def test_a_source_that_cannot_change_has_an_identity(self):
         assert stage.pinned(onshape(ADDRESS)) is None
         pinned = ADDRESS.replace("/w/", "/v/")
         keys = (
@@ -177,7 +177,7 @@ class TestRecordings:
 FETCH = PROJECT / "stages" / "fetch"
 
 
-def test_each_source_has_its_keys_and_its_preset():
+def test_a_source_has_its_keys_and_its_preset():
     assert list(SOURCES) == list(sources.SOURCES)
     presets = {path.stem for path in (PROJECT / "conf" / "source").glob("*.yaml")}
     assert presets == set(SOURCES)
@@ -187,7 +187,7 @@ def test_each_source_has_its_keys_and_its_preset():
 
 
 @pytest.mark.parametrize("room", ["onshape", "urdf", "mjcf", "bundle"])
-def test_no_room_imports_another(room):
+def test_a_room_of_sources_imports_no_other(room):
     rooms = {"onshape", "urdf", "mjcf", "bundle"} - {room}
     for path in (FETCH / room).rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):

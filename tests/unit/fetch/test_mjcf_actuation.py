@@ -64,7 +64,7 @@ def test_actuators_and_sensors_have_their_parameters(path):
     assert names_of(now, "sensor", 4) == ["imu", "tip_accelerometer", "angle", "c_jointvel"]
 
 
-def test_it_moves_and_measures_as_it_did_under_any_controls(path):
+def test_the_robot_moves_and_measures_as_it_did(path):
     models = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     random = np.random.default_rng(3)
     datas = [mujoco.MjData(model) for model in models]
@@ -137,7 +137,7 @@ def test_actuators_are_taken_out_or_replaced_and_the_others_stay(path, tmp_path)
     assert names_of(model, "actuator", model.nu) == ["a", "a_2"]
 
 
-def test_at_home_each_joint_is_held_as_far_as_its_actuators_can(path):
+def test_joints_are_held_at_home_as_far_as_actuators_can(path):
     """The forces of the compiled actuators against the weight: of two on one joint the first one holds it."""
     robot = robot_of(path)
     assert [actuator.dof for actuator in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]

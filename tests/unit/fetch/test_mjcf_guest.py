@@ -68,7 +68,7 @@ def test_bounds_hold(tmp_path, monkeypatch):
         b"[" * 100_000,
     ],
 )
-def test_nothing_that_a_guest_says_is_taken_on_trust(tmp_path, monkeypatch, reply):
+def test_a_guests_reply_is_not_taken_on_trust(tmp_path, monkeypatch, reply):
     monkeypatch.setattr(guest, "ask", lambda *_: reply)
     assert "does not answer with a model" in refused(written(tmp_path, MESHED)).message
 
@@ -105,12 +105,12 @@ def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, 
     assert said in caught.value.message
 
 
-def test_what_a_model_includes_is_bounded_too_and_the_guest_asks(tmp_path):
+def test_an_included_file_is_bounded_too(tmp_path):
     written(tmp_path, model('<replicate count="30000"><body/></replicate>'), "inner.xml")
     assert "come to" in refused(written(tmp_path, model('<include file="inner.xml"/>'))).message
 
 
-def test_what_a_robot_may_have_is_let_through(tmp_path):
+def test_a_robot_within_bounds_is_let_through(tmp_path):
     sizes = '<size nkey="100" memory="1T" njmax="100000"/><asset><hfield nrow="1000" ncol="1000"/></asset>'
     for text in (
         model('<replicate count="100"><body><geom/></body></replicate>' * 10),
@@ -150,7 +150,7 @@ def test_a_guest_that_cannot_start_is_reported(tmp_path, monkeypatch):
     assert "MuJoCo's compiler could not be started" in refused(written(tmp_path, MESHED)).message
 
 
-def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
+def test_work_is_done_while_the_guest_compiles(tmp_path, monkeypatch):
     """The later stages' imports begin once the file is known to be one, before MuJoCo has an answer."""
     order = []
     monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))

@@ -183,7 +183,7 @@ def test_a_rounded_loop_closes_and_an_open_loop_is_refused(tmp_path):
     assert values_of(mended)["home"] == {"drive": 0.4}
 
 
-def test_what_a_keyframe_cannot_have_is_named(tmp_path):
+def test_values_that_no_keyframe_can_have_are_named(tmp_path):
     ball = body("head", '<joint name="neck" type="ball"/>')
     world = BASE.replace('<body name="thigh">', ball + '<body name="thigh">')
     world += f'<body name="box"><freejoint name="adrift"/>{SOLID.format(mass=0.1)}</body>'

@@ -109,7 +109,7 @@ def test_a_links_frame_is_that_of_its_joint(tmp_path):
         (body("a", '<joint name="x"/>') + body("b", pos="1 0 0"), "world", True, [("x", 0), ("b_fixed", 0)]),
     ],
 )
-def test_what_the_world_holds(tmp_path, world, root, fixed, joints):
+def test_the_world_holds_a_body_by_a_joint(tmp_path, world, root, fixed, joints):
     robot = robot_of(written(tmp_path, model(world)))
     assert (robot.root.name, robot.base.fixed) == (root, fixed)
     assert [joint.name for joint in robot.joints] == [name for name, _ in joints]

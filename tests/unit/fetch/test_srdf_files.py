@@ -46,7 +46,7 @@ def test_an_srdf_is_found_by_its_name_beside_the_urdf(tmp_path, place, name):
     assert gathered(tmp_path / "pkg/urdf/robot.urdf") == (srdf("g"), name, ())
 
 
-def test_which_srdf_is_read(tmp_path):
+def test_the_srdf_of_the_files_name_is_read(tmp_path):
     put(
         tmp_path / "a",
         **{"urdf/robot.urdf": URDF, "urdf/arm.srdf": srdf("arm"), "srdf/robot.srdf": srdf("robot")},

@@ -338,7 +338,7 @@ def test_a_bundle_in_a_zip_has_the_images(tmp_path):
     bundle, _ = gathered(tmp_path, **{"four.png": image()})
     (tmp_path / "r.zip").write_bytes(pack(bundle))
     plan = plan_of(source={"kind": "bundle", "path": str(tmp_path / "r.zip")})
-    again = fetch(plan, FetchContext(replies=None, environ={})).bundle  # type: ignore[arg-type]
+    again = fetch(plan, FetchContext(replies=None, environ={})).bundle
     assert (again.requests, dict(again.blobs)) == (bundle.requests, dict(bundle.blobs))
 
 

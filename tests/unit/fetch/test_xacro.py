@@ -69,7 +69,7 @@ def test_a_xacro_is_expanded_with_its_arguments_and_packages(tmp_path):
 
 
 @pytest.mark.usefixtures("no_guest")
-def test_without_trust_it_is_not_run_and_the_error_says_why(tmp_path):
+def test_a_xacro_without_trust_is_not_run(tmp_path):
     put(tmp_path, **{"r.urdf.xacro": XACRO})
     plan = plan_of(source={"kind": "urdf", "path": str(tmp_path / "r.urdf.xacro")})
     for call in (preflight, pinned, lambda plan, environ: gather(plan.source, environ)):
@@ -146,7 +146,7 @@ def test_a_trusted_xacro_sees_only_the_paths_of_ros(tmp_path, monkeypatch):
     assert "can read only ROS's variables" in error.hint
 
 
-def test_what_xacro_refuses_is_reported_as_ours(tmp_path):
+def test_a_refusal_of_xacro_is_reported_as_ours(tmp_path):
     error = refused(tmp_path, '<link name="$(find parts)"/>')
     assert error.message.startswith("xacro cannot expand it: there is no package parts")
     assert "source.packages={parts: FOLDER}" in error.hint

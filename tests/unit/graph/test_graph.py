@@ -258,7 +258,7 @@ def test_problems_of_parts_and_joints_are_reported_together(kit):
     assert "joints are: hinge" in text
 
 
-def test_what_leaves_no_tree_is_reported_with_earlier_problems(kit):
+def test_loose_parts_are_reported_with_earlier_problems(kit):
     kit.place("Base", fixed=True)
     crate, lid = kit.root.add(kit.bar("Crate", density=None)), kit.place("Lid")
     kit.root.fasten("Shut", (lid, TOP), (crate, TOP))

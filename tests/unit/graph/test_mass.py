@@ -124,7 +124,7 @@ def test_an_estimate_is_of_cads_volume_not_of_triangles(kit):
     assert masses["Pin <1>"][0].mass == pytest.approx(1000 * pin.volume, rel=1e-12)
 
 
-def test_what_is_to_be_pasted_resolves_every_missing_mass(kit):
+def test_the_hint_to_paste_resolves_every_missing_mass(kit):
     add(kit, "Bar [x]", count=2)
     add(kit, "Rod")
     nested = kit.document.assembly("Sub")
@@ -185,7 +185,7 @@ def test_a_part_that_no_reply_knows_is_weighed_by_its_triangles(kit):
     assert log.problems == []
 
 
-def test_without_triangles_com_and_inertia_are_asked_for(kit):
+def test_com_and_inertia_are_asked_for_without_triangles(kit):
     add(kit, "Bar")
     bundle = without_triangles(bundle_of(kit.document))
     _, log = weights(kit, bundle, parts={"Bar": {"mass": 0.2}})

@@ -305,7 +305,7 @@ def base():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("where", "attributes"), walked(), ids=["/".join(where) for where, _ in walked()])
-def test_each_attribute_is_carried_over_or_named(where, attributes, base):
+def test_an_attribute_is_carried_over_or_named(where, attributes, base):
     assert lost(where, attributes, base) == []
 
 
@@ -326,7 +326,7 @@ def test_elements_that_are_left_out_as_a_whole_are_named(words):
     assert re.search(rf"\d × {words} \([^)]*\bx\b", " ".join(left(robot)))
 
 
-def test_what_is_silent_is_found(base, monkeypatch):
+def test_a_silent_attribute_is_found(base, monkeypatch):
     monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
     assert lost(("asset", "material"), ["shininess", "rgba"], base) == ["shininess is silent"]
 

@@ -172,7 +172,7 @@ def test_things_of_an_mjcf_keep_their_names_by_kind(tmp_path):
     assert named(tmp_path / "again", mjcf_robot(folder / "robot.xml")) == names
 
 
-def test_what_an_mjcf_does_not_name_gets_a_name_that_nothing_has(tmp_path):
+def test_unnamed_things_of_an_mjcf_get_names_of_their_own(tmp_path):
     inside = body("", "<joint/>") + body("body_2", '<joint name="body_2_2_joint"/>')
     robot = mjcf_robot(mjcf_file(tmp_path, model(body("base", inside)).replace('name=""', "")))
     assert {link.name for link in robot.links} == {"base", "body_2_2", "body_2"}

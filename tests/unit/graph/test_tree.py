@@ -103,7 +103,7 @@ def test_a_root_that_is_none_or_not_clear_is_refused(root, message):
         tree_of(TIPPED, **root)
 
 
-def test_what_moves_against_the_origin_makes_it_the_root():
+def test_the_origin_is_the_root_where_links_move_against_it():
     drawn = mechanism([body("world", fixed_reason="origin"), body("a", 9.0)], [mate("rail", 1, 0, "SLIDER")])
     assert tree_of(drawn).root == 0
     with pytest.raises(NoRoot, match="'a' cannot be the root: Rail"):
@@ -177,7 +177,7 @@ def stays(robot):
 
 
 @pytest.mark.parametrize(("how", "kind"), [("weld", "fixed"), ("separate", "free"), ("drop", "none")])
-def test_it_may_be_welded_float_on_its_own_or_be_left_out(how, kind):
+def test_loose_bodies_may_be_welded_float_or_be_left_out(how, kind):
     log = Diagnostics()
     robot = place(TORN, tree_of(TORN, log, disconnected=how), keys(disconnected=how), log)
     assert [link.name for link in robot.links] == ["a", "b", *(["c", "d", "e"] if how != "drop" else [])]

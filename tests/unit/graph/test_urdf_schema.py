@@ -119,18 +119,18 @@ def base():
 
 
 @pytest.mark.parametrize("line", [line for line in SAID if line not in WITHOUT_MEANING])
-def test_what_a_urdf_says_is_carried_over_or_named(line, base):
+def test_a_line_of_a_urdf_is_carried_over_or_named(line, base):
     messages, robot = outcome(changed(line))
     said = re.findall(r"[\w.]+", line.partition(" ")[2])
     words = {word for message in messages - base[0] for word in re.findall(r"[\w.]+", message)}
     assert words & set(said) or robot != base[1]
 
 
-def test_nothing_is_left_out_of_a_plain_urdf(base):
+def test_a_plain_urdf_loses_nothing(base):
     assert base[0] == set()
 
 
-def test_how_joints_are_driven_is_written_back(tmp_path):
+def test_drives_of_joints_are_written_back(tmp_path):
     assert failures(tmp_path, urdf_robot(BASE)) == []
     trees = etree.parse(tmp_path / "robot.urdf").getroot(), etree.fromstring(BASE)
     for kind in ("transmission", "ros2_control"):
@@ -141,7 +141,7 @@ def test_how_joints_are_driven_is_written_back(tmp_path):
         assert ours == theirs
 
 
-def test_what_drives_a_joint_follows_its_name(tmp_path):
+def test_drives_of_a_joint_follow_its_name(tmp_path):
     text = BASE.replace(
         "</ros2_control>",
         """<joint name="k"><param name="mimic">j</param></joint><joint name="gone"/>

@@ -157,7 +157,7 @@ def test_a_configuration_costs_one_call_at_first(kept):
         assert weights(other) == {"base": 0.8, "leg": 0.36, "jaw": 0.004}
 
 
-def test_of_a_pinned_document_the_parameters_are_asked_for_once():
+def test_parameters_of_a_pinned_document_are_asked_for_once():
     with OnshapeServer(configured_stand()) as server:
         for kind in "vm":
             kept, keys = Kept(), onshape(server.document_url(kind), configuration={"Gripper": "wide grip"})
@@ -176,7 +176,7 @@ def test_the_address_alone_configures_without_a_call_for_it():
         assert over.bundle.root["configuration"] == "leg_length=0.4+m;List_g=_narrow"
 
 
-def test_after_an_edit_the_parameters_are_asked_for_again():
+def test_parameters_are_asked_for_again_after_an_edit():
     kept, document = Kept(), configured_stand()
     with OnshapeServer(document) as server:
         keys = onshape(server.document_url(), configuration={"Leg length": "0.4 m"})
@@ -190,7 +190,7 @@ def test_after_an_edit_the_parameters_are_asked_for_again():
         assert fetched(keys, kept, server.environ).calls == 1
 
 
-def test_offline_a_configuration_is_built_from_what_is_kept(kept):
+def test_a_configuration_is_built_offline_from_kept_replies(kept):
     with OnshapeServer(configured_stand()) as server:
         keys = {"configuration": {"Leg length": "0.4 m"}}
         cold = fetched(onshape(server.document_url(), **keys), kept, server.environ)

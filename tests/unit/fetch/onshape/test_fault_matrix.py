@@ -116,7 +116,7 @@ def test_a_lasting_fault_is_reported_after_a_few_attempts(fetching, right, fault
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_after_the_end_of_the_quota_no_call_begins(fetching, place):
+def test_the_end_of_the_quota_lets_no_call_begin(fetching, place):
     """Those that were on their way beside it may still arrive."""
     error, _ = fetching.run({PLACES[place]: Fault(402)})
     assert isinstance(error, QuotaExhausted)
@@ -135,7 +135,7 @@ SCHEDULES = st.lists(
 @pytest.mark.slow
 @settings(max_examples=80, suppress_health_check=[HealthCheck.too_slow])
 @given(runs=SCHEDULES, kind=st.sampled_from("mw"))
-def test_after_any_faults_a_clean_run_is_right(server, runs, kind):
+def test_a_clean_run_is_right_after_any_faults(server, runs, kind):
     server.reset()
     arrived, right = Counter(), reference(DOCUMENT, kind)
     with tempfile.TemporaryDirectory() as folder:

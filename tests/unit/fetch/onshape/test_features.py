@@ -184,7 +184,7 @@ def test_an_assembly_without_a_moving_mate_is_not_asked(change):
         assert asked_kinds(server)["features"] == 1
 
 
-def test_only_mates_without_limits_of_their_own_are_looked_up(monkeypatch):
+def test_mates_without_limits_of_their_own_are_looked_up(monkeypatch):
     """A definition of which one mate has limits and the other, in a sub-assembly, has none."""
     document = typed_arm()
 
@@ -243,7 +243,7 @@ def test_variables_of_a_workspace_that_moved_on_are_not_taken(kept):
     assert not [request for request in kept if "/variables" in request]
 
 
-def test_nothing_is_asked_offline():
+def test_an_offline_build_asks_for_no_features():
     with OnshapeServer(typed_arm(), newest=16) as server:
         kept = Kept()
         made = fetched(onshape(server.document_url()), kept, server.environ)

@@ -170,7 +170,7 @@ class TestVerify:
         assert same_as_cold(server, made.bundle)
         assert build(server, kept).calls == 1
 
-    def test_without_verify_it_is_not_found_until_verify_is_on(self, server, kept, built):
+    def test_an_unseen_change_is_not_found_without_verify(self, server, kept, built):
         edit_unseen(server)
         made = build(server, kept, verify=False)
         assert made.calls == 6
@@ -258,7 +258,7 @@ class TestVerify:
 
 
 class TestRefresh:
-    def test_it_asks_for_everything_and_what_it_gets_stays(self, server, kept, built):
+    def test_a_refresh_asks_for_everything_and_its_replies_stay(self, server, kept, built):
         # Metadata can change where no microversion does.
         server.document.part("Steel part").density = 9000
         server.replies = type(server.replies)(server.document)
@@ -269,13 +269,13 @@ class TestRefresh:
         assert (again.calls, again.bundle) == (1, fresh.bundle)
         assert same_as_cold(server, again.bundle)
 
-    def test_it_also_asks_for_what_is_pinned(self, server, kept):
+    def test_a_refresh_also_asks_for_what_is_pinned(self, server, kept):
         keys = onshape(server.document_url("v"), refresh=True)
         assert [fetched(keys, kept, server.environ).calls for _ in range(2)] == [COLD] * 2
         assert stage.force(keys)
         assert not stage.force(onshape(server.document_url("v")))
 
-    def test_it_cannot_be_offline(self):
+    def test_a_refresh_cannot_be_offline(self):
         with pytest.raises(ConfigError, match="offline allows no call"):
             stage.preflight(onshape(ADDRESS, refresh=True, offline=True), {})
 
@@ -294,7 +294,7 @@ class TestOffline:
             assert made.bundle == built.bundle
         assert lines == ["5 part studios: 0 calls, 10 kept"] * 2
 
-    def test_what_was_never_built_says_so(self, server, kept):
+    def test_a_workspace_that_was_never_built_is_reported(self, server, kept):
         lines = []
         error = build_fails(
             server, kept, Offline, "no cached state of the workspace", offline=True, lines=lines
@@ -304,7 +304,7 @@ class TestOffline:
             fetched(onshape(server.document_url("v"), offline=True), kept, lines=lines)
         assert server.calls == lines == []
 
-    def test_what_is_missing_is_named(self, server, kept, built):
+    def test_missing_replies_are_named(self, server, kept, built):
         error = build_fails(server, kept, Offline, offline=True, tessellation={"angle": 0.01})
         assert "5 replies are not in the cache: the triangles of part studio" in error.message
         assert "and 2 more" in error.message
@@ -332,7 +332,7 @@ class TestMostCalls:
         assert build(server, kept, max_calls=6).calls == 1 + 3
 
 
-def test_what_a_failed_fetch_spent_is_reported(server, kept):
+def test_a_failed_fetch_reports_what_it_spent(server, kept):
     spent = Calls()
     server.fault = at_call(Fault(403), 5)
     with pytest.raises(SourceError):

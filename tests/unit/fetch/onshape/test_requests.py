@@ -95,7 +95,7 @@ def definition(instances, subs=()):
     return json.dumps(tree).encode()
 
 
-def test_each_studio_version_and_configuration_counts_once():
+def test_a_studio_version_and_configuration_counts_once():
     parts = [part("s", "JHD"), part("s", "JHD"), part("s", "J/+"), part("s", "JHD", configuration="x=2")]
     linked = part("t", "A", documentId="o", documentVersion="v")
     inner = sub("arm") | {"instances": [part("s", "JHH")]}
@@ -107,7 +107,7 @@ def test_each_studio_version_and_configuration_counts_once():
     }
 
 
-def test_what_is_suppressed_needs_no_studio():
+def test_a_suppressed_instance_needs_no_studio():
     gone = [
         {"id": "x", "suppressed": True},
         part("unused", "JHD", suppressed=True),
@@ -136,6 +136,6 @@ def test_an_assembly_without_parts_is_named_empty(instances):
         (definition([]).replace(b'"documentId": "d"', b'"documentId": 7'), "documentId is not text"),
     ],
 )
-def test_what_is_no_definition_is_a_protocol_error(body, why):
+def test_a_malformed_definition_is_a_protocol_error(body, why):
     with pytest.raises(ProtocolError, match=why):
         read(body)

@@ -21,7 +21,7 @@ def test_a_browsers_address_is_read_without_its_view():
     assert parse(PLAIN + "/") == url
 
 
-def test_only_a_workspace_can_change():
+def test_a_workspace_alone_can_change():
     for letter, pinned in (("w", False), ("v", True), ("m", True)):
         url = parse(PLAIN.replace("/w/", f"/{letter}/"))
         assert (url.pin, url.pinned) == (f"{letter}/{W}", pinned)
@@ -83,7 +83,7 @@ def test_anything_else_is_refused_with_the_reason_and_an_example(address, why):
 
 @pytest.mark.parametrize("scheme", ["https", "http"])
 @pytest.mark.parametrize("host", HOSTS)
-def test_no_trick_makes_a_host_onshapes(host, scheme, monkeypatch):
+def test_a_trick_makes_no_host_onshapes(host, scheme, monkeypatch):
     monkeypatch.setattr(socket, "getaddrinfo", None)
     monkeypatch.setattr(socket, "socket", None)
     with pytest.raises(ConfigError) as caught:

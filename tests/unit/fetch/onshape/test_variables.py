@@ -170,7 +170,7 @@ def test_a_refused_write_leaves_nothing_to_put_back(server, kept, status, kind):
     assert not [line for line in lines if "putting back" in line]
 
 
-def test_only_the_studio_that_was_written_is_put_back(server, kept):
+def test_the_studio_that_was_written_alone_is_put_back(server, kept):
     server.fault = at_call(Fault(403, b"{}"), 5)
     fails(server, kept, BOTH, AuthError)
     first, _, third = posts(server)
@@ -184,7 +184,7 @@ def test_a_put_back_that_fails_in_passing_is_done_again(server, kept, fault):
     assert len(posts(server)) == 3
 
 
-def test_each_studio_is_put_back_whatever_becomes_of_the_others(server, kept):
+def test_a_studio_is_put_back_whatever_becomes_of_others(server, kept):
     before, stopped = tables(server), []
 
     def fault(method, target, at):
@@ -221,7 +221,7 @@ def abandoned(server, kept):
     server.reset()
 
 
-def test_what_cannot_be_looked_at_is_not_written(server, kept):
+def test_a_studio_that_cannot_be_read_is_not_written(server, kept):
     server.leaves = True
     abandoned(server, kept)
     server.fault = lambda method, target, at: Fault(429, b"{}", LATER)
@@ -232,7 +232,7 @@ def test_what_cannot_be_looked_at_is_not_written(server, kept):
 
 
 @pytest.mark.parametrize(("variables", "mass"), [({}, 0.18), (TALL, 0.36), ({"LegLength": "300 mm"}, 0.27)])
-def test_what_a_build_left_is_put_back_by_the_next(server, kept, variables, mass):
+def test_values_that_a_build_left_are_put_back_by_the_next(server, kept, variables, mass):
     abandoned(server, kept)
     for times in (1, 0):
         lines = []
@@ -240,7 +240,7 @@ def test_what_a_build_left_is_put_back_by_the_next(server, kept, variables, mass
         assert lines.count("restoring the variables that a killed build had changed") == times
 
 
-def test_what_was_edited_since_is_left_as_it_is(server, kept):
+def test_a_table_that_was_edited_since_is_left_as_it_is(server, kept):
     server.leaves = True
     abandoned(server, kept)
     studio = server.document.variable_studios[0]
@@ -275,7 +275,7 @@ def test_two_builds_with_other_values_do_not_disturb_each_other(server):
     assert legs == {300: 0.27, 400: 0.36, 500: 0.45}
 
 
-def test_what_may_not_be_spent_is_refused_before_the_write(server, kept):
+def test_a_write_beyond_max_calls_is_refused(server, kept):
     fails(server, kept, match="max_calls is 6", max_calls=6)
     assert posts(server) == []
 
@@ -351,7 +351,7 @@ def test_writing_needs_to_be_allowed():
     Plan.parse({"name": "x", "source": {**source, "allow_write": True}})
 
 
-def test_only_a_workspace_that_can_be_reached_takes_variables(server):
+def test_a_workspace_online_alone_takes_variables(server):
     pinned, offline = "a version or microversion never changes", "offline makes no call"
     for kind, more, why in (("v", {}, pinned), ("m", {}, pinned), ("w", {"offline": True}, offline)):
         wanted = onshape(server.document_url(kind), variables=TALL, allow_write=True, **more)
@@ -365,7 +365,7 @@ def onshape_plan(server, **more):
     return Plan.parse({"name": "stand", "source": source, **more})
 
 
-def test_neither_sweeps_nor_cacheless_builds_may_write(server, tmp_path):
+def test_sweeps_and_cacheless_builds_may_not_write(server, tmp_path):
     problems = {problem.where: problem.message for problem in sweep_problems(onshape_plan(server))}
     assert "a sweep must not change the document" in problems["source.variables"]
     plan = onshape_plan(server, cache={"mode": "bypass"}, output=str(tmp_path / "out"))
@@ -375,7 +375,7 @@ def test_neither_sweeps_nor_cacheless_builds_may_write(server, tmp_path):
 
 
 @pytest.mark.slow
-def test_what_a_killed_process_left_is_put_back_by_the_next(server, tmp_path):
+def test_values_of_a_killed_process_are_put_back_by_the_next(server, tmp_path):
     command = [
         sys.executable, "-m", "linkwright", "source=onshape", f"source.url='{server.document_url()}'",
         "source.variables={LegLength: '400 mm'}", "source.allow_write=true",

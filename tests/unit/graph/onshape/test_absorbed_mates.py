@@ -85,7 +85,7 @@ def test_the_narrower_cone_of_two_balls_in_one_place_holds():
     assert limits_of(pair.only()) == {"limitEulerConeAngleMax": 0.4}
 
 
-def test_what_is_absorbed_says_which_coordinate_moves_it():
+def test_an_absorbed_mate_names_the_coordinate_that_moves_it():
     pair = Pair()
     hinge = pair.mate("a", "REVOLUTE", frame(), 0.3)
     other = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.1, 0.3)
@@ -128,7 +128,7 @@ AT = (0.1, 0.2, 0.3)
         (("PIN_SLOT", frame(), 0.0, 0.0), ("PIN_SLOT", frame(), 0.0, 0.0), OTHER),
     ],
 )
-def test_what_no_mate_describes_is_left_as_it_is(first, second, entity):
+def test_a_motion_of_no_mate_is_left_as_it_is(first, second, entity):
     pair = Pair()
     pair.mate("a", *first)
     pair.mate("b", *second, first=entity)

@@ -150,7 +150,7 @@ def test_mates_that_the_tool_passes_over_are_reported(kit):
     assert codes(log) == ["W-PEER-MATE", "W-PEER-MATE"]
 
 
-def test_what_closes_a_loop_is_cut_and_keeps_its_links_apart(kit):
+def test_a_mate_that_closes_a_loop_is_cut(kit):
     base, arm = armed(kit)
     kit.root.fasten("closing_[x]", (arm, HERE), (base, TOP), closing=True)
     assembly, keys, _ = read(kit, loops={"cut": ["mine"]})

@@ -105,7 +105,7 @@ def test_lengths(text, metres):
         ("+".join(["1"] * 999), "it has more than 400 tokens"),
     ],
 )  # fmt: skip
-def test_what_has_no_value_is_reported(text, message):
+def test_an_expression_without_a_value_is_reported(text, message):
     with pytest.raises(ExpressionError) as caught:
         angle(text)
     assert message in str(caught.value)

@@ -117,7 +117,7 @@ def test_limits_that_are_not_known_are_none_and_reported(how, turn, words):
     assert not words or [word for word in words if word not in warnings["turn"]] == []
 
 
-def test_without_a_list_every_joint_of_it_is_reported():
+def test_joints_of_a_missing_list_are_reported():
     definition, replies = arm_replies()
     masses = {request: body for request, body in replies.items() if "massproperties" in request}
     warnings = limit_warnings(build_robot(recorded(definition, masses), plan_of()))
@@ -219,7 +219,7 @@ def resolved(kind, typed, copies=("",), more=None):
 
 
 @pytest.mark.parametrize("kind", OF_TYPE)
-def test_each_type_takes_the_limits_of_its_own_freedoms(kind):
+def test_a_type_takes_the_limits_of_its_own_freedoms(kind):
     (mate,) = resolved(kind, TYPED)
     assert mate.limit_origin == AS_TYPED
     assert (mate.limits or {}) == in_si({name: TYPED[name] for name in OF_TYPE[kind]})
@@ -252,7 +252,7 @@ def sided(kind, side):
 
 @pytest.mark.parametrize("side", ["Min", "Max", "Neither"])
 @pytest.mark.parametrize("kind", OF_TYPE)
-def test_what_nobody_typed_is_open_on_every_type_of_mate(kind, side):
+def test_untyped_limits_are_open_on_every_type_of_mate(kind, side):
     typed, said = sided(kind, side)
     (mate,) = resolved(kind, typed, more=said)
     want = in_si({name: text for name, text in typed.items() if name.endswith(side)})
@@ -308,7 +308,7 @@ def test_a_doubtful_limit_is_reported_until_yaml_resolves_it():
     assert about(settled) == [("I-LIMIT-OPEN", "curl")]
 
 
-def test_no_dof_is_locked_by_limits_that_nobody_typed(kit):
+def test_limits_that_nobody_typed_lock_no_dof(kit):
     """A slider that is open above, and mates of several dofs of which one was typed, as any may be."""
     base, *arms = (kit.place(f"Bar {n}") for n in range(5))
     root, free = kit.root, (None, None)

@@ -131,7 +131,7 @@ DATA = (*FEATURE, "featureData")
         ((*DATA, "matedEntities", 0, "matedCS", "xAxis"), [1.0], ""),
     ],
 )  # fmt: skip
-def test_what_is_no_number_and_no_frame_is_not_taken_for_one(kit, at, value, where):
+def test_malformed_numbers_and_frames_are_refused(kit, at, value, where):
     kit.elbow(limits=(-1, 1))
     with pytest.raises(ProtocolError, match="unknown format") as caught:
         reported_of(edited(bundle_of(kit.document), at, value))

@@ -50,7 +50,7 @@ def test_a_copy_does_not_hold_what_hangs_on_its_seed(kit, kind, mirror):
 
 
 @pytest.mark.parametrize(("more", "held"), [(0, 2), (1, 1)])
-def test_without_a_fixed_part_the_largest_piece_holds_a_seed(kit, more, held):
+def test_the_largest_piece_holds_a_seed_if_no_part_is_fixed(kit, more, held):
     base, arm, _ = row(kit)
     base.last.fixed = False
     cap = kit.place("Cap")

@@ -114,7 +114,7 @@ def test_an_added_joint_moves_its_link_about_its_axis(keys_of_joint, kind, limit
     assert problems(log) == []
 
 
-def test_what_moves_without_mass_is_reported():
+def test_a_moving_link_without_mass_is_reported():
     robot, log = added(arm(), wheel={"parent": "arm", "joint": "revolute"})
     check_links(robot, log)
     assert problems(log) == [("E-MASS", "wheel")]
@@ -138,7 +138,7 @@ def test_a_link_above_the_root_leaves_everything_where_it_is():
     np.testing.assert_allclose(link_poses(robot)["base"], OFFSET, atol=1e-15)
 
 
-def test_what_floats_does_so_from_the_new_root():
+def test_a_floating_link_floats_from_the_new_root():
     there = (0.1, 0.2, 0.3, 1.0, 0.0, 0.0, 0.0)
     crate = joint("free", "base", "crate", [there], place=OFFSET)
     before = robot_with([*arm(world_from_root=STAND).joints, crate], world_from_root=STAND)
@@ -169,7 +169,7 @@ def test_a_link_that_cannot_be_is_reported(links, name, text):
     assert text in " ".join(problem.message for problem in log.problems)
 
 
-def test_nothing_goes_above_the_assemblys_origin():
+def test_a_link_cannot_go_above_the_assemblys_origin():
     robot = robot_with([joint("revolute", "world", "arm")], root="world")
     _, log = added(robot, foot={"child": "world"})
     assert problems(log) == [("E-LINK", "links.foot")]
@@ -269,7 +269,7 @@ def test_a_links_com_and_inertia_are_taken_as_given():
         ({"arm", "tip"}, True, ["arm"]), ({"tip"}, True, []), ({"arm", "tip"}, False, ["arm"]),
     ],
 )  # fmt: skip
-def test_only_what_moves_as_a_whole_needs_mass(massless, fixed, lacking):
+def test_links_that_move_as_a_whole_need_mass(massless, fixed, lacking):
     joints = [joint("revolute", "base", "arm"), joint("fixed", "arm", "tip")]
     robot = robot_with(joints, fixed=fixed, inertials=dict.fromkeys(massless, ZERO))
     assert checked_links(robot) == [("E-MASS", name) for name in lacking]

@@ -135,7 +135,7 @@ def test_missing_limits_are_reported_with_a_block_that_sets_them(arm):
     assert {dof.limits for dof in robot.dofs} == {Limits()}
 
 
-def test_what_follows_another_is_bounded_by_its_driver(arm):
+def test_a_follower_is_bounded_by_its_driver(arm):
     follows = Relation("gear", follower="left_hip", driver="lift_turn", multiplier=2.0, offset=0.0)
     _, log = checked(replace(arm, relations=(follows,)))
     assert reports(log) == [("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]

@@ -87,7 +87,7 @@ def test_a_joints_own_zero_goes_before_that_of_all(arm):
         ({"*": {"zero": 0.0, "invert": True}}, None),
     ],
 )
-def test_what_cannot_be_is_named(arm, joints, message):
+def test_impossible_terms_are_named(arm, joints, message):
     problems = [(problem.code, problem.message) for problem in counted(arm, **joints)[1].problems]
     assert [code for code, _ in problems] == ([] if message is None else ["E-JOINT"])
     assert not message or problems[0][1] == message

@@ -74,7 +74,7 @@ def saved_of(robot):
         ("RACK_AND_PINION", ("q1", "p1"), L / math.tau, "q1_turn", "p1"),
     ],
 )  # fmt: skip
-def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver, follower, reverse):
+def test_a_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver, follower, reverse):
     robot = at_zero("r1 r2 p1 p2 c1 s1 q1 l1")
     joined, log = related(robot, spec(kind, *names, ratio=1.5, reverse=reverse))
     assert rules(joined) == [(follower, driver, pytest.approx(factor if reverse else -factor), 0.0)]
@@ -100,7 +100,7 @@ def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver,
         (spec("CAM", "r1", "r2"), "a CAM relation is not supported"),
     ],
 )
-def test_what_a_relation_cannot_mean_is_reported_by_name(relation, why):
+def test_a_relation_without_a_meaning_is_reported(relation, why):
     closing = loop("revolute", "link_r1", "link_r2", at(0), at(0), name="close")
     joined, log = related(robot_with(at_zero("r1 r2 p1 c1 c2 q1 b1").joints, loops=[closing]), relation)
     assert not joined.relations
@@ -193,7 +193,7 @@ def test_a_glob_without_a_relation_is_an_error_that_lists_them():
 @pytest.mark.parametrize(
     ("kind", "names"), [("CAM", "r1 r2"), ("SCREW", "r1"), ("GEAR", "r1 r1"), ("GEAR", "r2 r1")]
 )
-def test_what_is_dropped_is_not_reported(kind, names):
+def test_a_dropped_relation_is_not_reported(kind, names):
     robot, right, wrong = (
         at_zero("r1 r2"),
         spec("GEAR", "r1", "r2", title="Right"),

@@ -90,6 +90,12 @@ def test_everything_that_is_no_tree_is_reported_at_once():
     ]
 
 
+def test_several_roots_may_be_welded():
+    text = robot_text(*map(link, "abc"), joint("j", "a", "b"))
+    robot = urdf_robot(text, plan_of(root={"disconnected": "weld"}))
+    assert [joint.type for joint in robot.joints] == ["revolute", "fixed"]
+
+
 def test_mimics_that_follow_nothing():
     drivers = {"own": "own", "none": "nothing", "rigid": "fix", "one": "two", "two": "one"}
     text = robot_text(
@@ -333,7 +339,7 @@ def test_a_plane_has_its_own_axes(axis):
     assert np.allclose(frame[:, 2], np.array(axis) / np.linalg.norm(axis), atol=1e-15)
 
 
-def test_what_floats_floats_from_the_root(tmp_path):
+def test_a_floating_link_floats_from_the_root(tmp_path):
     afloat = joint("drift", "world", "a", "floating", '<origin xyz="0 0 1"/>')
     robot = urdf_robot(robot_text(link("world", ""), *ARM, afloat))
     assert [joint.type for joint in robot.joints] == ["free", "revolute"]

@@ -140,7 +140,7 @@ LEFT_OUT = {
 
 
 @pytest.mark.parametrize("case", LEFT_OUT)
-def test_what_no_robot_can_have_is_named_and_left_out(case):
+def test_impossible_entries_are_named_and_left_out(case):
     text, words = LEFT_OUT[case]
     robot, warnings = read(GROUPS + text), messages(read(GROUPS + text))
     assert [phrase for phrase in words.split(", ") if phrase not in warnings] == []
@@ -170,6 +170,6 @@ def test_names_of_the_robot_are_used_where_they_changed():
     assert {robot.semantics.disabled[0].link_a, robot.semantics.disabled[0].link_b} == {"finger", "right"}
 
 
-def test_without_an_srdf_a_robot_has_no_semantics():
+def test_a_robot_without_an_srdf_has_no_semantics():
     assert urdf_robot(URDF).semantics == NOTHING_MORE
     assert "I-SRDF" not in codes(urdf_robot(URDF))

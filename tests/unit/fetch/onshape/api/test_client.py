@@ -77,7 +77,7 @@ IN_AN_HOUR = {"Retry_After": "a date"}
         (MASS, 503, {"Retry_After": "5000"}, "ProtocolError", 1, "(503)"),
     ],
 )
-def test_each_refusal_is_explained_in_the_server_s_words(request_, status, headers, error, times, words):
+def test_a_refusal_is_explained_in_the_servers_words(request_, status, headers, error, times, words):
     body = b'{"message": "Told\\nso by the-secret.", "status": 0}'
     if headers is IN_AN_HOUR:
         headers = {"Retry_After": formatdate(time() + 3600, usegmt=True)}

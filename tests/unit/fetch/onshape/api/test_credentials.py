@@ -98,7 +98,7 @@ def test_a_ledgers_name_does_not_tell_the_key():
     assert Credentials(kind="bearer", token="t").who == "bearer"
 
 
-def test_neither_repr_nor_scrubbed_text_holds_the_key():
+def test_the_key_is_in_neither_repr_nor_scrubbed_text():
     key = Credentials("my-access", "my-secret")
     assert "my-" not in repr(key)
     header = "bXktYWNjZXNzOm15LXNlY3JldA=="

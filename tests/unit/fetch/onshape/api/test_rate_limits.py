@@ -57,7 +57,7 @@ def test_a_wait_is_seconds_or_a_date_or_unknown():
         assert retry_after(headers, now=lambda: noon) == seconds, headers
 
 
-def test_what_is_left_is_a_number_or_unknown():
+def test_the_calls_left_are_a_number_or_unknown():
     texts = [{"X-Rate-Limit-Remaining": "399"}, {"X-Rate-Limit-Remaining": "many"}, {}]
     assert [left(headers) for headers in texts] == [399, None, None]
 
@@ -70,7 +70,7 @@ def test_calls_on_their_way_cannot_overdraw_together():
         assert budget.made == 0
 
 
-def test_what_came_to_nothing_gives_its_place_back():
+def test_a_call_that_failed_gives_its_place_back():
     budget = Budget(1)
     with pytest.raises(OSError), budget.slot():
         raise OSError

@@ -54,7 +54,7 @@ class Fine:
         ("/something/new", 16),
     ],
 )
-def test_each_kind_of_reply_has_its_bound(request_, most):
+def test_a_kind_of_reply_has_its_bound(request_, most):
     assert reply_sizes.largest(request_) == most * MB
 
 
@@ -127,7 +127,7 @@ def test_gzip_of_one_member_or_several_is_unpacked(pieces):
     assert max(map(len, unpacked([bomb(16 * MB)], "gzip"))) <= 1 << 18
 
 
-def test_what_is_harmed_is_reported():
+def test_a_harmed_body_is_reported():
     for harmed in (BODY[:-1], BODY[:-9], BODY[:3], b"no gzip at all", BODY + b"and more"):
         with pytest.raises(DamagedError):
             list(unpacked([harmed], "gzip"))

@@ -163,7 +163,7 @@ def test_bodies_are_found_by_name_and_only_those_wanted_are_read():
         (b'[{"id": "A", "faces": [{"facets": [{"indices": [0, 1]}]}], "facetPoints": [[0,0,0]]}]', "outside"),
     ],
 )
-def test_what_is_no_reply_with_triangles_is_reported(reply, why):
+def test_a_reply_without_triangles_is_reported(reply, why):
     with pytest.raises(ProtocolError) as caught:
         faces.compact(reply)
     assert why in str(caught.value)

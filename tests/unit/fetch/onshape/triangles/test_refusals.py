@@ -75,7 +75,7 @@ def test_a_second_refusal_settles_it_until_a_refresh(server, kept, fault, pin):
     assert build(server, kept, pin)[0].bundle == fresh.bundle
 
 
-def test_offline_or_without_a_key_nothing_is_settled(server, kept):
+def test_a_build_offline_or_without_a_key_settles_nothing(server, kept):
     server.fault = at_path(Fault(400), "/tessellatedfaces")
     first = build(server, kept)[0]
     server.fault = None

@@ -126,7 +126,7 @@ def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path, 
     assert fetched(recording(tmp_path / "rack.zip")).bundle == outcome.bundle
 
 
-def test_where_gltf_is_refused_too_the_first_refusal_is_reported(kept):
+def test_the_first_refusal_is_reported_if_gltf_is_refused_too(kept):
     with OnshapeServer(rack(2, 0)) as server:
         faces = at_path(Fault(400, b'{"message": "no faces"}'), "/tessellatedfaces")
         gltf = at_path(Fault(400, b'{"message": "no glTF"}'), "/gltf")
