@@ -38,9 +38,9 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
     if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
     # Late: few commands need it, and `--help` does not.
-    from linkwright.pipeline.terminal.output import clean_streams
+    from linkwright.pipeline.terminal.output import clean_standard_streams
 
-    with clean_streams():
+    with clean_standard_streams():
         return _run(arguments, build)
 
 

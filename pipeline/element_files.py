@@ -16,8 +16,11 @@ MAX_BYTES = 16 << 20
 
 
 def element_texts(plan: "Plan") -> Mapping[str, str]:
-    """Reads the file of each entry; returns its text by the entry's name. Paths start from the working
-    folder. Raises ConfigError unless every file can be read and contains XML elements."""
+    """Returns the text of each entry's file, by the entry's name; entries without a file are left out.
+
+    Paths start from the working folder. Raises ConfigError unless every file can be read and contains XML
+    elements.
+    """
     texts: dict[str, str] = {}
     problems: list[Diagnostic] = []
     for name, element in plan.elements.items():
@@ -31,11 +34,11 @@ def element_texts(plan: "Plan") -> Mapping[str, str]:
     return texts
 
 
-def require_entries(plan: "Plan") -> None:
+def require_valid_elements(plan: "Plan") -> None:
     """Raises ConfigError if an entry of `elements` fits no format, or names a file that cannot be read."""
     if not plan.elements:
         return
-    # Imported late, since these import lxml, and most robots have no elements of their own.
+    # Imported late, since these modules load lxml, and most robots have no elements of their own.
     from linkwright.stages.export.amend.documents import Refused
     from linkwright.stages.export.amend.entries import entries
 
@@ -48,19 +51,20 @@ def require_entries(plan: "Plan") -> None:
 
 def _read_elements(path: str, key: str) -> str:
     """Returns the text of a file. Raises ConfigError unless the file contains XML elements."""
-    # Imported late: see `require_entries`.
+    # Imported late: see `require_valid_elements`.
     from linkwright.stages.formats.xml import Malformed, fragment
 
-    regular_files.require(path, key, "XML is in a file", "mount.xml")
+    regular_files.require(path, key, description="XML is in a file", example="mount.xml")
     try:
         content = regular_files.content(Path(path), MAX_BYTES)
-        observed.read(Path(path), content)
+        observed.record_content(Path(path), content)
         text = content.decode("utf-8")
+        # Raises Malformed unless the text consists of complete elements.
         fragment(text)
         return text
     except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        msg, hint = f"{path} is not readable as text: {why}", "it must be a file in UTF-8"
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        msg, hint = f"{path} is not readable as text: {reason}", "it must be a file in UTF-8"
     except regular_files.FileTooLarge as error:
         msg, hint = f"{path} has {error.size} bytes, more than {MAX_BYTES}", "keep only the elements"
     except Malformed as error:

@@ -1,8 +1,8 @@
 """Records the questions that a build asks the file system and the environment before its first stage.
 
-An unchanged build is recognised by asking the same again (`pipeline.run.unchanged`). Whoever reads a file or
-a variable that decides what is composed asks here. A variable's value is kept as a digest, since it may be a
-secret. Imports nothing heavy.
+An unchanged build is recognised by asking the same questions again (`pipeline.run.unchanged`). So all code
+that composes a configuration looks for files here, and records here which files and variables it reads. The
+value of a variable is kept as a digest, since it may be a secret. Imports nothing heavy.
 """
 
 import hashlib
@@ -21,70 +21,82 @@ MAX_BYTES = 16 << 20
 """Largest size of a readable file [bytes]; YAML and XML have lower limits."""
 
 DOTENV = ".env"
+"""The file in the working folder that may contain API keys and other variables."""
 
-VARIABLES = ("HOME", "PWD", "USERPROFILE", "XDG_CACHE_HOME")
-PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
-"""The names, and the beginnings of names, of variables that every build may read."""
+VARIABLE_NAMES = ("HOME", "PWD", "USERPROFILE", "XDG_CACHE_HOME")
+"""The names of variables that every build may read."""
 
-Answer = tuple[str, str, str]
-"""A question, its subject (a path or the name of a variable), and its answer."""
+VARIABLE_PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
+"""The prefixes of the names of further variables that every build may read."""
 
-_CONF = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
+AnsweredQuestion = tuple[str, str, str]
+"""(question, subject, answer): the subject is a path, or the name of a variable or a prefix of names."""
+
+_CONF_PREFIX = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
+"""The prefix of the paths of files in `conf`: its folder, with a separator at the end."""
 
 
-class Observed:
-    """The questions of a build with their answers. `salt` becomes part of the digests of variables.
+class Observations:
+    """The questions of a build with their answers."""
 
-    `lasts`: whether the same answers lead to the same build. They do not if a file changed meanwhile, or if a
-    value depends on the moment, such as `${now:%H}`.
-    """
+    lasts: bool
+    """Whether the same answers lead to the same build. They do not if a file changed meanwhile, or if a value
+    depends on the moment, such as `${now:%H}`."""
 
     def __init__(self, salt: str, environ: Mapping[str, str] = os.environ) -> None:
-        self.salt = salt
+        """Asks the questions of every build. `salt` becomes part of the digests of variables."""
         self.lasts = True
+        self._salt = salt
         self._environ = environ
         self._answers: dict[tuple[str, str], str] = {}
-        for name in VARIABLES:
+        for name in VARIABLE_NAMES:
             self.ask("variable", name)
-        for prefix in PREFIXES:
+        for prefix in VARIABLE_PREFIXES:
             self.ask("variables", prefix)
         for question in ("text", "mode"):
             self.ask(question, DOTENV)
 
     @property
-    def answers(self) -> tuple[Answer, ...]:
+    def answers(self) -> tuple[AnsweredQuestion, ...]:
         """All questions with their answers, in the order in which each was first asked."""
-        return tuple((question, about, answer) for (question, about), answer in self._answers.items())
+        return tuple((question, subject, answer) for (question, subject), answer in self._answers.items())
 
-    def ask(self, question: str, about: str) -> None:
-        self.note(question, about, answer(question, about, self.salt, self._environ))
+    def ask(self, question: str, subject: str) -> None:
+        """Asks a question, and records its answer."""
+        self.record(question, subject, current_answer(question, subject, self._salt, self._environ))
 
-    def note(self, question: str, about: str, recorded: str) -> None:
-        """Records an answer, except about files of `conf`, which belong to the program
+    def record(self, question: str, subject: str, answer: str) -> None:
+        """Records an answer, unless its subject is in `conf`, which is part of the program
         (`pipeline.run.program`)."""
-        if about.startswith(_CONF) and ".." not in about:
+        # A path with `..` may leave `conf`.
+        if subject.startswith(_CONF_PREFIX) and ".." not in subject:
             return
-        if self._answers.setdefault((question, about), recorded) != recorded:
+        if self._answers.setdefault((question, subject), answer) != answer:
             self.lasts = False
 
 
-_NOW: ContextVar[Observed | None] = ContextVar("observed", default=None)
+_CURRENT: ContextVar[Observations | None] = ContextVar("observations", default=None)
+"""The observations of the block of `recording` that is running; None outside of such a block."""
 
 
 @contextmanager
-def recording(salt: str) -> Iterator[Observed]:
-    """Records the answers to the questions below that are asked in the block."""
-    observed = Observed(salt)
-    token = _NOW.set(observed)
+def recording(salt: str) -> Iterator[Observations]:
+    """Records all questions that the block asks by the functions below, with their answers."""
+    observations = Observations(salt)
+    token = _CURRENT.set(observations)
     try:
-        yield observed
+        yield observations
     finally:
-        _NOW.reset(token)
+        _CURRENT.reset(token)
 
 
-def still_true(answers: Iterable[Answer], salt: str, environ: Mapping[str, str] = os.environ) -> bool:
-    """Tells whether every question has the same answer now."""
-    return all(answer(question, about, salt, environ) == recorded for question, about, recorded in answers)
+def have_same_answers(
+    questions: Iterable[AnsweredQuestion], salt: str, environ: Mapping[str, str] = os.environ
+) -> bool:
+    """Tells whether all questions have the same answers now."""
+    return all(
+        current_answer(question, subject, salt, environ) == answer for question, subject, answer in questions
+    )
 
 
 def is_file(path: Path) -> bool:
@@ -97,8 +109,8 @@ def is_folder(path: Path) -> bool:
     return _ask("kind", path) == "folder"
 
 
-def real(path: Path) -> Path:
-    """Returns a path with all links resolved."""
+def real_path(path: Path) -> Path:
+    """Returns the absolute path, with all symbolic links resolved."""
     return Path(_ask("real", path))
 
 
@@ -108,63 +120,68 @@ def yaml_files(folder: Path) -> list[str]:
     return names
 
 
-def yaml_below(folder: Path) -> list[str]:
+def yaml_files_below(folder: Path) -> list[str]:
     """Returns the paths of the YAML files in a folder and below it, relative to it, sorted."""
     paths: list[str] = json.loads(_ask("YAML below", folder))
     return paths
 
 
 def folders_with_yaml(folder: Path) -> list[str]:
-    """Returns the names of the folders in a folder that have YAML files, sorted."""
+    """Returns the names of the folders directly in a folder that have YAML files directly in them, sorted."""
     names: list[str] = json.loads(_ask("folders with YAML", folder))
     return names
 
 
-def holds_yaml(folder: Path) -> bool:
-    """Tells whether a YAML file is anywhere below a folder of this folder."""
+def has_yaml_in_subfolders(folder: Path) -> bool:
+    """Tells whether any folder in this folder has a YAML file, at any depth."""
     return _ask("holds YAML", folder) == "yes"
 
 
-def read(path: Path, content: bytes) -> None:
+def record_content(path: Path, content: bytes) -> None:
     """Records the content of a file that was read."""
-    if observed := _NOW.get():
-        observed.note("text", str(path), hashlib.sha256(content).hexdigest())
+    if observations := _CURRENT.get():
+        observations.record("text", str(path), hashlib.sha256(content).hexdigest())
 
 
-def variable(name: str) -> None:
+def record_variable(name: str) -> None:
     """Records that the value of an environment variable is used."""
-    if observed := _NOW.get():
-        observed.ask("variable", name)
+    if observations := _CURRENT.get():
+        observations.ask("variable", name)
 
 
-def momentary() -> None:
+def record_momentary_value() -> None:
     """Records the use of a value that may differ at another moment or on another machine."""
-    if observed := _NOW.get():
-        observed.lasts = False
+    if observations := _CURRENT.get():
+        observations.lasts = False
 
 
 def _ask(question: str, path: Path) -> str:
-    recorded = answer(question, str(path))
-    if observed := _NOW.get():
-        observed.note(question, str(path), recorded)
-    return recorded
+    """Returns the answer to a question about a path, and records it."""
+    answer = current_answer(question, str(path))
+    if observations := _CURRENT.get():
+        observations.record(question, str(path), answer)
+    return answer
 
 
-def answer(question: str, about: str, salt: str = "", environ: Mapping[str, str] = os.environ) -> str:
+def current_answer(
+    question: str, subject: str, salt: str = "", environ: Mapping[str, str] = os.environ
+) -> str:
     """Returns the current answer to a question. Raises KeyError for an unknown question."""
     if question == "variable":
-        return _salted(environ.get(about), salt)
+        return _salted_digest(environ.get(subject), salt)
     if question == "variables":
-        values = {name: value for name, value in environ.items() if name.startswith(about)}
-        return _salted(json.dumps(sorted(values.items())), salt)
-    return _ANSWERS[question](about)
+        values = {name: value for name, value in environ.items() if name.startswith(subject)}
+        return _salted_digest(json.dumps(sorted(values.items())), salt)
+    return _PATH_QUESTIONS[question](subject)
 
 
-def _salted(value: str | None, salt: str) -> str:
+def _salted_digest(value: str | None, salt: str) -> str:
+    """Returns a digest from which the value cannot be guessed without the salt; "" for None."""
     return "" if value is None else hashlib.sha256(f"{salt}\0{value}".encode(errors="replace")).hexdigest()
 
 
 def _kind(path: str) -> str:
+    """Returns the kind of what is at a path: "file", "folder" or "special"; "" if nothing is there."""
     try:
         mode = os.stat(path).st_mode  # noqa: PTH116
     except (OSError, ValueError):
@@ -173,13 +190,15 @@ def _kind(path: str) -> str:
 
 
 def _mode(path: str) -> str:
+    """Returns the permissions of a file, in octal digits; "" if there is no file."""
     try:
         return f"{stat.S_IMODE(os.stat(path).st_mode):o}"  # noqa: PTH116
     except (OSError, ValueError):
         return ""
 
 
-def _text(path: str) -> str:
+def _text_digest(path: str) -> str:
+    """Returns the digest of a file's content; "" if it cannot be read."""
     try:
         return regular_files.digest(Path(path), MAX_BYTES)
     except (OSError, ValueError, regular_files.FileTooLarge):
@@ -187,26 +206,27 @@ def _text(path: str) -> str:
 
 
 def _yaml_files(folder: str) -> str:
-    return json.dumps(sorted(_yaml_in(folder)))
+    return json.dumps(sorted(_yaml_names(folder)))
 
 
-def _yaml_below(folder: str) -> str:
+def _yaml_files_below(folder: str) -> str:
     files = (os.path.join(top, name) for top, _, names in os.walk(folder) for name in names)  # noqa: PTH118
     return json.dumps(sorted(os.path.relpath(file, folder) for file in files if _is_yaml(file)))
 
 
 def _folders_with_yaml(folder: str) -> str:
-    below = (entry for entry in _entries(folder) if entry.is_dir())
-    return json.dumps(sorted(entry.name for entry in below if _yaml_in(entry.path)))
+    subfolders = (entry for entry in _entries(folder) if entry.is_dir())
+    return json.dumps(sorted(entry.name for entry in subfolders if _yaml_names(entry.path)))
 
 
-def _holds_yaml(folder: str) -> str:
-    below = [entry.path for entry in _entries(folder) if entry.is_dir()]
-    is_there = any(_is_yaml(name) for place in below for _, _, names in os.walk(place) for name in names)
-    return "yes" if is_there else ""
+def _has_yaml_in_subfolders(folder: str) -> str:
+    for entry in _entries(folder):
+        if entry.is_dir() and any(_is_yaml(name) for _, _, names in os.walk(entry.path) for name in names):
+            return "yes"
+    return ""
 
 
-def _yaml_in(folder: str) -> list[str]:
+def _yaml_names(folder: str) -> list[str]:
     return [entry.name for entry in _entries(folder) if _is_yaml(entry.name)]
 
 
@@ -223,13 +243,14 @@ def _is_yaml(name: str) -> bool:
     return name.endswith(".yaml")
 
 
-_ANSWERS: Mapping[str, Callable[[str], str]] = {
+_PATH_QUESTIONS: Mapping[str, Callable[[str], str]] = {
     "kind": _kind,
     "mode": _mode,
     "real": os.path.realpath,
-    "text": _text,
+    "text": _text_digest,
     "YAML files": _yaml_files,
-    "YAML below": _yaml_below,
+    "YAML below": _yaml_files_below,
     "folders with YAML": _folders_with_yaml,
-    "holds YAML": _holds_yaml,
+    "holds YAML": _has_yaml_in_subfolders,
 }
+"""Question about a path → the function that answers it."""

@@ -9,7 +9,7 @@ from typing import Any
 from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.changes.read import FILE, in_new_keys
-from linkwright.pipeline.changes.show import change_text, source_changes
+from linkwright.pipeline.changes.show import describe_change, source_changes
 from linkwright.pipeline.output import manifest
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.text.plural import count
@@ -79,7 +79,7 @@ def compare_builds(
 def _robot_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """Returns the differences of two robots, each with the name of its row."""
     rows = [("source", line) for line in source_changes(before, after)]
-    rows += [(_row_name(change), change_text(change)) for change in compare(before, after)]
+    rows += [(_row_name(change), describe_change(change)) for change in compare(before, after)]
     return tuple(rows)
 
 

@@ -25,7 +25,7 @@ class Described:
     """The path as the user named it."""
     robot: Mapping[str, Any]
     """The content of robot.json."""
-    folder: bool = False
+    is_folder: bool = False
     """Whether the path is the folder of a build."""
 
 

@@ -13,7 +13,7 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import printable
 
 _ESCAPES = str.maketrans({mark: f"\\{mark}" for mark in "\\|`*_[]"} | {"<": "&lt;", ">": "&gt;"})
-"""Character → its text in a cell of a Markdown table, for those that Markdown would read."""
+"""Character that Markdown or HTML would interpret → its escape in a cell of a Markdown table."""
 
 FOLDER_NOTE = f"only {FILE} of a folder is compared; `linkwright check` compares its other files with {FILE}"
 """Note that is shown if a folder is compared."""
@@ -25,68 +25,75 @@ def as_text(before: Described, after: Described, changes: Sequence[Change]) -> s
         f"{_place_and_size(before)} → {_place_and_size(after)}",
         *source_changes(before.robot, after.robot),
     ]
-    if before.folder or after.folder:
+    if before.is_folder or after.is_folder:
         lines.append(FOLDER_NOTE)
     if not changes:
         return "\n".join([*lines, "the same robot"])
-    for section, in_section in groupby(changes, lambda change: change.section):
-        lines.append(_title(section))
-        for name, in_row in groupby(in_section, lambda change: change.name):
+    for section, section_changes in groupby(changes, lambda change: change.section):
+        lines.append(_section_title(section))
+        for name, row_changes in groupby(section_changes, lambda change: change.name):
+            # The section of the robot as a whole has no rows.
             label = "" if section == "robot" else f"{printable(name)}: "
-            indent = "  " + label
-            for change in in_row:
-                lines.append(indent + change_text(change))
-                # The first line of a row has its label; the others are indented below it.
-                indent = "  " + " " * len(label)
+            for index, change in enumerate(row_changes):
+                # The first line of a row has its label; the others are indented as far.
+                prefix = label if index == 0 else " " * len(label)
+                lines.append(f"  {prefix}{describe_change(change)}")
     return "\n".join([*lines, count(len(changes), "difference")])
 
 
 def as_document(before: Described, after: Described, changes: Sequence[Change]) -> DiffDocument:
     """Returns the JSON document of the differences, with values as in robot.json."""
     documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
-    robots = _compared(before), _compared(after)
-    return DiffDocument(UNMET if changes else BUILT, *robots, alike=not changes, changes=documents)
+    return DiffDocument(
+        UNMET if changes else BUILT,
+        _compared_robot(before),
+        _compared_robot(after),
+        alike=not changes,
+        changes=documents,
+    )
 
 
 def as_markdown(before: Described, after: Described, changes: Sequence[Change]) -> str:
-    """Returns Markdown with a table for each table of robot.json that differs."""
+    """Returns Markdown that has a table for each table of robot.json with differences."""
     lines = [f"**{_cell(_place_and_size(before))} → {_cell(_place_and_size(after))}**", ""]
     lines += [f"{_cell(line)}\n" for line in source_changes(before.robot, after.robot)]
     if not changes:
         return "\n".join([*lines, "The same robot."])
     lines += [f"{count(len(changes), 'difference')}.", ""]
-    for section, in_section in groupby(changes, lambda change: change.section):
-        lines += [f"| {_title(section)} | |", "|---|---|"]
-        lines += [f"| {_cell(change.name)} | {_cell(change_text(change))} |" for change in in_section]
+    for section, section_changes in groupby(changes, lambda change: change.section):
+        lines += [f"| {_section_title(section)} | |", "|---|---|"]
+        for change in section_changes:
+            lines.append(f"| {_cell(change.name)} | {_cell(describe_change(change))} |")
         lines.append("")
     return "\n".join(lines).rstrip()
 
 
 def _place_and_size(described: Described) -> str:
-    """Returns the place of a robot, and its size."""
+    """Returns the place of a robot with its name, its numbers of links and joints, and its mass."""
     robot = described.robot
     links, joints = count(len(robot["links"]), "link"), count(len(robot["joints"]), "joint")
     mass = f"{robot.get('total_mass', 0):.6g} kg"
     return printable(f"{described.place} ({robot['name']}: {links}, {joints}, {mass})")
 
 
-def _compared(described: Described) -> ComparedRobot:
+def _compared_robot(described: Described) -> ComparedRobot:
     return ComparedRobot(described.place, described.robot["name"], described.robot.get("source"))
 
 
 def source_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
-    """Yields the differences between the sources of two robots, which may be equal otherwise."""
+    """Yields a line for each difference between the sources of two robots. The robots may be equal all the
+    same."""
     old, new = before.get("source") or {}, after.get("source") or {}
     for key in dict.fromkeys((*old, *new)):
         if old.get(key) != new.get(key):
             yield f"{key} of the source: {printable(str(old.get(key)))} → {printable(str(new.get(key)))}"
 
 
-def _title(section: str) -> str:
+def _section_title(section: str) -> str:
     return section.replace("_", " ")
 
 
-def change_text(change: Change) -> str:
+def describe_change(change: Change) -> str:
     """Returns the text of a difference, without the name of its row."""
     text = printable(change.text)
     if change.kind in ("added", "removed"):
@@ -95,5 +102,5 @@ def change_text(change: Change) -> str:
 
 
 def _cell(text: str) -> str:
-    """Escapes a text for a cell of a Markdown table."""
+    """Returns a text, escaped for a cell of a Markdown table."""
     return printable(text).translate(_ESCAPES)

@@ -27,7 +27,7 @@ from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, outside
 from linkwright.pipeline.config.hydra.errors import explained
 from linkwright.pipeline.config.hydra.files import guarded
 from linkwright.pipeline.config.hydra.loader import PRIMARY, aside, composed, swift, use_loader
-from linkwright.pipeline.config.hydra.node import HydraNode, hydra_text, search_path_override
+from linkwright.pipeline.config.hydra.node import HydraNode, quote_for_hydra, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import fitting
 from linkwright.pipeline.config.optional import add_optional
@@ -145,7 +145,7 @@ class Composer:
         overrides = [replace(override, typed=clean[paths.index(override.typed)]) for override in overrides]
         problems += leaks + [problem for override in overrides if (problem := refused(override, multirun))]
         overrides = [override for override in overrides if not refused(override, multirun)]
-        problems += self._node.set_overrides(overrides, self._typed)
+        problems += self._node.store_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
@@ -158,7 +158,9 @@ class Composer:
         options = [self._presets.named(word) for word in words]
         if not any(options):
             return argument
-        texts = [hydra_text(option) if option else word for option, word in zip(options, words, strict=True)]
+        texts = [
+            quote_for_hydra(option) if option else word for option, word in zip(options, words, strict=True)
+        ]
         return f"{sign}robot={','.join(texts)}"
 
     def compose(
@@ -248,7 +250,7 @@ class Composer:
             else:
                 self._arguments = arguments
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(arguments):
-                    draft.add(trust.not_allowed("overrides"))
+                    draft.add(trust.forbidden_key("overrides"))
                 return config, files
 
     def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]]:
@@ -290,7 +292,7 @@ class Composer:
             place = f"sweeper.params.{key}"
             keys = self.reading.typed_keys((override.hydra for override in swept), _TYPED_ONLY)
             if keys or any(override.for_hydra_itself for override in swept):
-                problems.append(trust.not_allowed(place, values))
+                problems.append(trust.forbidden_key(place, values))
             else:
                 added += swept
             problems += [replace(problem, where=f"hydra.{place}") for problem in wrong]

@@ -44,10 +44,10 @@ class Presets:
         for named in dirs:
             folder = here / Path(named).expanduser()
             _check_place(folder, str(named))
-            named_folders.append(observed.real(folder))
+            named_folders.append(observed.real_path(folder))
         self.given = tuple(dict.fromkeys(folder for folder in named_folders if folder != OURS))
         """The folders of `config_dirs`, whose launchers are trusted."""
-        own = [*map(observed.real, folders), *named_folders]
+        own = [*map(observed.real_path, folders), *named_folders]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
     def named(self, value: str) -> str | None:
@@ -60,7 +60,7 @@ class Presets:
             return None
         if not observed.is_file(file):
             return None
-        file = observed.real(file)
+        file = observed.real_path(file)
         place = file.parent.parent if file.parent.name == "robot" else file.parent
         self.own = tuple(dict.fromkeys([*self.own, place]))
         return Path(os.path.relpath(file.with_suffix(""), OURS.resolve() / "robot")).as_posix()
@@ -69,7 +69,7 @@ class Presets:
         """Returns the options of a group, sorted."""
         names = set()
         for folder in (OURS, *self.own):
-            for path in map(PurePath, observed.yaml_below(folder / group)):
+            for path in map(PurePath, observed.yaml_files_below(folder / group)):
                 if not is_motor(folder / group / path, folder / group):
                     names.add(path.with_suffix("").as_posix())
         return sorted(names)
@@ -87,7 +87,7 @@ class Presets:
     @property
     def with_motors(self) -> tuple[Path, ...]:
         """The folders that may hold motors: also where the user works, without a `robot/` there."""
-        here = observed.real(self._here)
+        here = observed.real_path(self._here)
         return tuple(dict.fromkeys([*([here] if observed.is_folder(here / MOTORS) else []), *self.own]))
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
@@ -96,7 +96,7 @@ class Presets:
         for path in paths:
             name = f"{path.removesuffix('.yaml')}.yaml"
             files = [folder / name for folder in self.own if observed.is_file(folder / name)]
-            shipped_file = observed.real(OURS / name)
+            shipped_file = observed.real_path(OURS / name)
             if observed.is_file(shipped_file) and not shipped_file.is_relative_to(OURS.resolve()):
                 files = [shipped_file]
             elif not files and not observed.is_file(shipped_file) and not path.startswith("hydra/"):
@@ -267,7 +267,7 @@ def _check_place(folder: Path, named: str) -> None:
     if not observed.is_folder(folder):
         msg = f"{named} is {'a file' if folder.exists() else 'not a folder'}"
         raise ConfigError(msg, "--config-dir", hint)
-    if observed.holds_yaml(folder):
+    if observed.has_yaml_in_subfolders(folder):
         return
     if any(folder.glob("*.yaml")):
         msg = f"{named} contains YAML files, but no folder robot/"

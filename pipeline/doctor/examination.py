@@ -1,5 +1,4 @@
-"""Defines the result of examining one thing that builds need, and formats results as text or as a JSON
-document."""
+"""Defines the result of examining something that builds need, and formats results as text or as JSON."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,40 +8,47 @@ from linkwright.pipeline.json_documents.doctor import DoctorDocument, ExaminedDo
 from linkwright.pipeline.reference.exit_status import BUILT, FAILED
 
 State = Literal["ok", "note", "wrong"]
-"""ok: it works; note: it is optional and missing, or was not tried; wrong: builds fail until it is
+"""ok: the subject works; note: it is optional and missing, or was not tried; wrong: builds fail until it is
 repaired."""
 
-_SUBJECT_WIDTH = 14
-"""Width of the column of subjects."""
+_STATE_WIDTH, _SUBJECT_WIDTH = 5, 14
+"""Widths of the columns of states and of subjects."""
+
+_DETAIL_COLUMN = _STATE_WIDTH + 2 + _SUBJECT_WIDTH
+"""Width of both columns and the gap between them."""
 
 
 @dataclass(frozen=True, slots=True)
-class Examination:
-    """The result of examining one thing that builds need."""
+class ExaminationResult:
+    """The result of examining a subject: something that builds need."""
 
     subject: str
     state: State
     detail: str
-    """The finding."""
+    """The result in words."""
 
     hint: str = ""
     """The remedy; "" if nothing needs to be done."""
 
 
-def as_text(rows: Sequence[Examination]) -> str:
-    """Returns a line for each row, with its hint in the next line, and a last line with a summary."""
+def as_text(results: Sequence[ExaminationResult]) -> str:
+    """Returns a line for each result, with its hint in the next line, and a last line with a summary."""
     lines = []
-    for row in rows:
-        lines.append(f"{row.state:5}  {row.subject:{_SUBJECT_WIDTH}} {row.detail}")
-        if row.hint:
-            lines.append(f"{'':{_SUBJECT_WIDTH + 7}} → {row.hint}")
-    wrong = [row.subject for row in rows if row.state == "wrong"]
-    summary = f"to repair: {', '.join(wrong)}" if wrong else "everything that builds need works"
+    for result in results:
+        lines.append(f"{result.state:{_STATE_WIDTH}}  {result.subject:{_SUBJECT_WIDTH}} {result.detail}")
+        if result.hint:
+            lines.append(f"{'':{_DETAIL_COLUMN}} → {result.hint}")
+    wrong_subjects = [result.subject for result in results if result.state == "wrong"]
+    summary = (
+        f"to repair: {', '.join(wrong_subjects)}" if wrong_subjects else "everything that builds need works"
+    )
     return "\n".join([*lines, summary])
 
 
-def as_document(rows: Sequence[Examination]) -> DoctorDocument:
+def as_document(results: Sequence[ExaminationResult]) -> DoctorDocument:
     """Returns the results as a JSON document; its status is that of a failed build if anything is wrong."""
-    works = all(row.state != "wrong" for row in rows)
-    examined = tuple(ExaminedDocument(row.subject, row.state, row.detail, row.hint) for row in rows)
-    return DoctorDocument(BUILT if works else FAILED, works, examined)
+    works = all(result.state != "wrong" for result in results)
+    documents = tuple(
+        ExaminedDocument(result.subject, result.state, result.detail, result.hint) for result in results
+    )
+    return DoctorDocument(BUILT if works else FAILED, works, documents)

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, requires
 
 from packaging.requirements import Requirement
 
-from linkwright.pipeline.doctor.examination import Examination
+from linkwright.pipeline.doctor.examination import ExaminationResult
 from linkwright.stages.robot.system.install import install, installed
 
 EXTRAS = {
@@ -33,40 +33,40 @@ _EXTRA = re.compile(r"""extra\s*==\s*["']([^"']+)["']""")
 _REINSTALL = "install Linkwright again, in a fresh virtual environment"
 
 
-def examined() -> Iterator[Examination]:
+def examined() -> Iterator[ExaminationResult]:
     """Yields the rows about the installation."""
     system = f"{platform.system()} {platform.machine()}"
-    yield Examination("python", "ok", f"{platform.python_version()} on {system}: {sys.executable}")
+    yield ExaminationResult("python", "ok", f"{platform.python_version()} on {system}: {sys.executable}")
     try:
         texts = requires("linkwright") or []
     except PackageNotFoundError:
-        yield Examination(
+        yield ExaminationResult(
             "linkwright", "wrong", "it runs from a folder and is not installed", "pip install ."
         )
         return
-    yield Examination("linkwright", "ok", installed("linkwright"))
+    yield ExaminationResult("linkwright", "ok", installed("linkwright"))
     yield _packages([text for text in texts if not _EXTRA.search(text)])
     yield from _extras([text for text in texts if _EXTRA.search(text)])
     yield _mujoco()
 
 
-def _packages(texts: list[str]) -> Examination:
+def _packages(texts: list[str]) -> ExaminationResult:
     problems = [problem for text in texts if (problem := _problem(Requirement(text)))]
     if problems:
-        return Examination("packages", "wrong", "; ".join(problems), _REINSTALL)
-    return Examination("packages", "ok", f"all {len(texts)} have a version that is accepted")
+        return ExaminationResult("packages", "wrong", "; ".join(problems), _REINSTALL)
+    return ExaminationResult("packages", "ok", f"all {len(texts)} have a version that is accepted")
 
 
-def _extras(texts: list[str]) -> Iterator[Examination]:
+def _extras(texts: list[str]) -> Iterator[ExaminationResult]:
     for extra, purpose in EXTRAS.items():
         requirements = [Requirement(text) for text in texts if _EXTRA.findall(text) == [extra]]
         missing = [requirement for requirement in requirements if _problem(requirement)]
         if missing:
             detail = f"not installed; needed for {purpose}"
             names = [requirement.name for requirement in missing]
-            yield Examination(f"extra {extra}", "note", detail, install(*names))
+            yield ExaminationResult(f"extra {extra}", "note", detail, install(*names))
         else:
-            yield Examination(f"extra {extra}", "ok", f"installed, for {purpose}")
+            yield ExaminationResult(f"extra {extra}", "ok", f"installed, for {purpose}")
 
 
 def _problem(requirement: Requirement) -> str:
@@ -85,15 +85,15 @@ def _problem(requirement: Requirement) -> str:
     return f"{requirement.name} is {version}, accepted is {bounds}"
 
 
-def _mujoco() -> Examination:
+def _mujoco() -> ExaminationResult:
     # In a process of its own: a library that does not suit this processor ends the process that loads it.
     try:
         process = subprocess.run(
             [sys.executable, "-m", _PROBE], capture_output=True, text=True, check=False, timeout=_PATIENCE
         )
     except subprocess.TimeoutExpired:
-        return Examination("mujoco", "wrong", f"it did not answer within {_PATIENCE} s", _REINSTALL)
+        return ExaminationResult("mujoco", "wrong", f"it did not answer within {_PATIENCE} s", _REINSTALL)
     if process.returncode:
         last = (process.stderr.strip().splitlines() or [f"exit status {process.returncode}"])[-1]
-        return Examination("mujoco", "wrong", f"it does not run: {last}", _REINSTALL)
-    return Examination("mujoco", "ok", f"{process.stdout.strip()} compiles and moves a model")
+        return ExaminationResult("mujoco", "wrong", f"it does not run: {last}", _REINSTALL)
+    return ExaminationResult("mujoco", "ok", f"{process.stdout.strip()} compiles and moves a model")

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from linkwright.pipeline.caching.disk_space import MIN_FREE_BYTES, reserved
-from linkwright.pipeline.doctor.examination import Examination
+from linkwright.pipeline.doctor.examination import ExaminationResult
 
 MIN_FREE = 2 * 10**9
 """Free space [bytes] that the build of a large robot may need."""
 
 
-def examined(environ: Mapping[str, str], cache: Path) -> Iterator[Examination]:
+def examined(environ: Mapping[str, str], cache: Path) -> Iterator[ExaminationResult]:
     """Yields the rows about the places that builds write to, and about the display."""
     yield _folder("cache", cache, "set cache.dir= or LINKWRIGHT_CACHE to a folder that you can write to")
     yield _folder("outputs", Path("outputs").resolve(), "work in a folder that you can write to")
@@ -21,7 +21,7 @@ def examined(environ: Mapping[str, str], cache: Path) -> Iterator[Examination]:
     yield _display(environ)
 
 
-def _folder(subject: str, folder: Path, hint: str) -> Examination:
+def _folder(subject: str, folder: Path, hint: str) -> ExaminationResult:
     existing = next(candidate for candidate in (folder, *folder.parents) if candidate.exists())
     try:
         if not existing.is_dir():
@@ -30,20 +30,20 @@ def _folder(subject: str, folder: Path, hint: str) -> Examination:
             pass
         free_bytes = shutil.disk_usage(existing).free
     except OSError as error:
-        return Examination(
+        return ExaminationResult(
             subject, "wrong", f"{folder} cannot be written to: {error.strerror or error}", hint
         )
     detail = f"{folder}, {free_bytes / 10**9:.1f} GB free"
     if free_bytes < MIN_FREE:
-        return Examination(subject, "note", detail, "linkwright cache gc frees space")
-    return Examination(subject, "ok", detail)
+        return ExaminationResult(subject, "note", detail, "linkwright cache gc frees space")
+    return ExaminationResult(subject, "ok", detail)
 
 
-def _display(environ: Mapping[str, str]) -> Examination:
+def _display(environ: Mapping[str, str]) -> ExaminationResult:
     if has_display(environ, sys.platform):
-        return Examination("display", "ok", "there is one, for linkwright view")
+        return ExaminationResult("display", "ok", "there is one, for linkwright view")
     hint = "needed for linkwright view only; report.html has the live robot"
-    return Examination("display", "note", "DISPLAY and WAYLAND_DISPLAY are not set", hint)
+    return ExaminationResult("display", "note", "DISPLAY and WAYLAND_DISPLAY are not set", hint)
 
 
 def has_display(environ: Mapping[str, str], system: str) -> bool:

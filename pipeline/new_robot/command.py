@@ -25,8 +25,8 @@ from linkwright.pipeline.new_robot.source_keys import robot_name, source_keys
 from linkwright.pipeline.new_robot.survey import (
     FetchedMechanism,
     MechanismSurvey,
-    fetched_mechanism,
-    surveyed,
+    fetch_mechanism,
+    survey_mechanism,
 )
 from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.pipeline.secrets import Secrets
@@ -75,8 +75,8 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int | C
         raise refusal(problems)
     progress = progress_for(sys.stderr)
     try:
-        mechanism = fetched_mechanism(
-            plan, environ, lambda line: progress.detail("fetch", line), masses=request.deep
+        mechanism = fetch_mechanism(
+            plan, environ, lambda line: progress.detail("fetch", line), with_masses=request.deep
         )
     finally:
         progress.close()
@@ -98,8 +98,10 @@ def described(
     """Returns a robot with all that its file says. The problems are those of the file itself: its own text is
     composed, and the graph stage runs with it."""
     tree = {"name": draft.name, "source": draft.source, **(PEER_KEYS if peer else {})}
-    survey = surveyed(mechanism, _plan(request, tree))
-    robot = replace(draft, problems=survey.problems, studios=0 if mechanism.weighed else mechanism.studios)
+    survey = survey_mechanism(mechanism, _plan(request, tree))
+    robot = replace(
+        draft, problems=survey.problems, studios=0 if mechanism.has_masses else mechanism.studio_count
+    )
     if survey.robot:
         robot = _with_findings(robot, survey, mechanism, peer)
     elif peer:
@@ -107,7 +109,7 @@ def described(
             f"{peer.place}: its options are converted once these problems are solved: write the file again"
         )
         robot = replace(robot, converted=PEER_KEYS, remarks=[remark])
-    final = surveyed(
+    final = survey_mechanism(
         mechanism, _plan(request, {"name": robot.name, **yaml.safe_load(robot_file.text(robot))})
     )
     return replace(robot, problems=final.problems)
@@ -118,7 +120,7 @@ def _with_findings(
 ) -> NewRobot:
     """Returns a robot with its joints, the choices for it, and the keys of another tool's configuration."""
     assert survey.robot is not None
-    weighed = mechanism.weighed and not survey.problems
+    weighed = mechanism.has_masses and not survey.problems
     kind = mechanism.bundle.kind
     rows = joint_table(survey.robot, kind)
     choices = chosen(survey.robot, rows, kind, weighed=weighed, as_the_peer=peer is not None)
@@ -154,8 +156,8 @@ def as_document(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> New
         joints=tuple(joints),
         problems=worst(robot.problems, whole=True),
         remarks=tuple(robot.remarks),
-        weighed=mechanism.weighed,
-        calls={"made": mechanism.calls, "saved": mechanism.saved},
+        weighed=mechanism.has_masses,
+        calls={"made": mechanism.calls, "saved": mechanism.saved_calls},
     )
 
 

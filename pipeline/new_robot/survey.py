@@ -6,8 +6,8 @@ from typing import Any
 
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
-from linkwright.stages.fetch import survey as fetch_mechanism
-from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
+from linkwright.stages import fetch
+from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER_FOLDER
 from linkwright.stages.fetch.source import Calls, FetchContext
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.mass_section import LinkMassSection, MassSection
@@ -20,25 +20,25 @@ PLACEHOLDER_MASSES = MassSection(
     missing="ignore",
     links={"*": LinkMassSection(mass=1.0, com=(0.0, 0.0, 0.0), inertia=(1.0, 1.0, 1.0))},
 )
-"""Masses for an assembly whose mass properties were not fetched, so that the graph stage can run."""
+"""Masses of links whose mass properties are unknown, so that the graph stage can run."""
 
 
 @dataclass(frozen=True, slots=True)
 class FetchedMechanism:
-    """A source as far as its mechanism needs it."""
+    """The content of a source that describes its mechanism."""
 
     bundle: Bundle
     title: str
     """The name of the assembly's tab, if a reply has it."""
     calls: int
-    """API calls that count against the quota."""
-    saved: int
-    """API calls that cached replies saved."""
-    weighed: bool
-    """Whether the bundle has the masses of all parts."""
+    """Number of API calls that count against the quota."""
+    saved_calls: int
+    """Number of API calls that cached replies saved."""
+    has_masses: bool
+    """Whether the bundle has the mass properties of its parts."""
 
     @property
-    def studios(self) -> int:
+    def studio_count(self) -> int:
         """The number of part studios; 0 for a robot's own file."""
         return len(self.bundle.studios) if isinstance(self.bundle, OnshapeBundle) else 0
 
@@ -48,15 +48,16 @@ class MechanismSurvey:
     """The robot of a source, and the problems that end its build."""
 
     robot: Robot | None
-    """The robot, in spite of loose parts and missing masses; None if the graph stage cannot make any."""
+    """The robot, if necessary with loose parts welded and placeholder masses; None if the graph stage fails
+    even so."""
     problems: tuple[Diagnostic, ...]
-    """The problems with which the graph stage of a build ends, as far as they can be known."""
+    """The problems with which the graph stage of a build will end, as far as the mechanism shows them."""
 
 
-def fetched_mechanism(
-    plan: Plan, environ: Mapping[str, str], progress: Callable[[str], None], *, masses: bool
+def fetch_mechanism(
+    plan: Plan, environ: Mapping[str, str], progress: Callable[[str], None], *, with_masses: bool
 ) -> FetchedMechanism:
-    """Fetches the mechanism of the plan's source; with `masses` also the mass properties of its parts. Raises
+    """Fetches the mechanism of the plan's source, if requested with the mass properties of its parts. Raises
     the errors of `stages.fetch.survey`."""
     calls = Calls()
     with actions.opened(plan.cache.mode, plan.cache.dir, environ) as cache:
@@ -64,30 +65,32 @@ def fetched_mechanism(
             cache.replies(),
             environ,
             progress=progress,
-            ledger=actions.folder(plan.cache.dir, environ) / LEDGER,
+            ledger=actions.folder(plan.cache.dir, environ) / LEDGER_FOLDER,
             calls=calls,
         )
-        fetched = fetch_mechanism(plan, context, masses=masses)
-    weighed = masses or plan.source.kind != "onshape"
-    return FetchedMechanism(fetched.bundle, fetched.title, calls.made, calls.saved, weighed)
+        fetched = fetch.survey(plan, context, masses=with_masses)
+    # Sources other than Onshape are fetched whole.
+    has_masses = with_masses or plan.source.kind != "onshape"
+    return FetchedMechanism(fetched.bundle, fetched.title, calls.made, calls.saved, has_masses)
 
 
-def surveyed(mechanism: FetchedMechanism, plan: Plan) -> MechanismSurvey:
-    """Runs the graph stage of the plan. If it ends with problems, it runs again without what loose parts and
-    missing masses would end, so that the joints are known all the same."""
-    strict = plan if mechanism.weighed else plan.model_copy(update={"mass": PLACEHOLDER_MASSES})
-    robot, problems = _built(mechanism.bundle, strict)
+def survey_mechanism(mechanism: FetchedMechanism, plan: Plan) -> MechanismSurvey:
+    """Runs the graph stage of the plan. If it ends with problems, it runs again with loose parts welded and
+    placeholder masses, so that the robot's joints are known all the same."""
+    masses = {} if mechanism.has_masses else {"mass": PLACEHOLDER_MASSES}
+    robot, problems = _robot_or_problems(mechanism.bundle, plan.model_copy(update=masses))
+    # The build itself fetches the triangles that are missing here.
     problems = tuple(problem for problem in problems if problem.message != NO_TRIANGLES)
     if robot is None:
-        lenient: dict[str, Any] = {"root": plan.root.model_copy(update={"disconnected": "weld"})}
+        changes: dict[str, Any] = {"root": plan.root.model_copy(update={"disconnected": "weld"})}
         if isinstance(mechanism.bundle, OnshapeBundle):
-            lenient["mass"] = PLACEHOLDER_MASSES
-        robot, _ = _built(mechanism.bundle, plan.model_copy(update=lenient))
+            changes["mass"] = PLACEHOLDER_MASSES
+        robot, _ = _robot_or_problems(mechanism.bundle, plan.model_copy(update=changes))
     return MechanismSurvey(robot, problems)
 
 
-def _built(bundle: Bundle, plan: Plan) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
-    """Returns the robot, or None and the problems that end the graph stage."""
+def _robot_or_problems(bundle: Bundle, plan: Plan) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
+    """Returns the robot; or None, and the problems that end the graph stage."""
     try:
         return build_robot(bundle, plan), ()
     except AssemblyError as error:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from linkwright.pipeline.config.files.trust import TARGET, is_in_modules
+from linkwright.pipeline.config.files.trust import TARGET_KEY, is_in_modules
 from linkwright.pipeline.config.objective_section import ObjectiveSection
 from linkwright.pipeline.config.plan import Plan, section
 from linkwright.pipeline.digest import sha256
@@ -93,7 +93,7 @@ def _user_numbers(context: BuildContext, section_: ObjectiveSection) -> dict[str
     if text is None:
         return dict(json.loads(_computed(context)))
     key = {
-        TARGET: section_.target,
+        TARGET_KEY: section_.target,
         "args": section_.args,
         "robot": context.files["graph"].digests[ROBOT],
         "plugins": text,

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkwright.pipeline.config.files.trust import TARGET, is_in_modules
+from linkwright.pipeline.config.files.trust import TARGET_KEY, is_in_modules
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
@@ -29,7 +29,7 @@ LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
 def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
     """Returns the function or class that the `_target_` of an entry names. Raises ConfigError if its module
     is not in `plugins`, cannot be imported, or lacks it."""
-    path = str(entry[TARGET])
+    path = str(entry[TARGET_KEY])
     module, _, name = path.rpartition(".")
     if not is_in_modules(path, plugins):
         msg = f"{path} belongs to no module that plugins names"
@@ -72,7 +72,7 @@ def named(plan: Plan) -> None:
             msg = f"there is no module {plugin}"
             raise ConfigError(msg, "plugins", LOOKED_FOR)
     for number, entry in enumerate(plan.validate.checks):
-        if is_in_modules(entry[TARGET], plan.plugins):
+        if is_in_modules(entry[TARGET_KEY], plan.plugins):
             target(entry, plan.plugins, _check_key(number))
 
 
@@ -81,7 +81,7 @@ def cost(plan: Plan) -> Callable[..., Any] | None:
     be found."""
     if plan.objective is None or plan.objective.target is None:
         return None
-    function: Callable[..., Any] = target({TARGET: plan.objective.target}, plan.plugins, "objective")
+    function: Callable[..., Any] = target({TARGET_KEY: plan.objective.target}, plan.plugins, "objective")
     return function
 
 
@@ -95,9 +95,9 @@ def own(plan: Plan) -> "tuple[UserCheck, ...]":
 
     return tuple(
         UserCheck(
-            entry[TARGET],
+            entry[TARGET_KEY],
             target(entry, plan.plugins, _check_key(number)),
-            {key: value for key, value in entry.items() if key != TARGET},
+            {key: value for key, value in entry.items() if key != TARGET_KEY},
         )
         for number, entry in enumerate(plan.validate.checks)
     )

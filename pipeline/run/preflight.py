@@ -8,32 +8,33 @@ from pathlib import Path
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, Diagnostic, as_problems
-from linkwright.pipeline.objective import value as objective
+from linkwright.pipeline.objective.value import require as require_objective
 from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.location import require_free
 from linkwright.pipeline.output.manifest import DOCUMENTS
 from linkwright.pipeline.show.live import ENGINE_FILE
-from linkwright.pipeline.show.preview import require
+from linkwright.pipeline.show.preview import require as require_preview_library
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
 from linkwright.stages.export.section import expected_paths
 from linkwright.stages.fetch import remote, writes
 from linkwright.stages.show.graph_view.views import PICTURE
-from linkwright.stages.show.preview import names
+from linkwright.stages.show.preview import names as preview_names
 
 
 def plan_problems(
     plan: Plan, environ: Mapping[str, str] = os.environ, stages: tuple[Stage, ...] = STAGES
 ) -> list[Diagnostic]:
-    """Returns the problems that the stages find before any work, such as a missing file or API key."""
+    """Returns the problems of a plan that are known before any stage runs, such as a missing file or API
+    key."""
+    checks: list[Callable[[], None]] = [
+        *(partial(stage.preflight, plan, environ) for stage in stages_until(plan.until, stages)),
+        partial(require_preview_library, plan.page.preview),
+        partial(require_objective, plan),
+    ]
     problems: list[Diagnostic] = []
-    for stage in stages_until(plan.until, stages):
+    for check in checks:
         try:
-            stage.preflight(plan, environ)
-        except ConfigError as error:
-            problems += as_problems(error)
-    for judge in (partial(require, plan.page.preview), partial(objective.require, plan)):
-        try:
-            judge()
+            check()
         except ConfigError as error:
             problems += as_problems(error)
     return problems
@@ -42,14 +43,15 @@ def plan_problems(
 def destination(
     plan: Plan, environ: Mapping[str, str] = os.environ, report: Callable[[str], None] = lambda _: None
 ) -> Output:
-    """Returns the output folder of a build.
+    """Returns the output folder of a build; `report` gets lines about it.
 
     Raises ConfigError if no output folder can be there, or if it would replace files that are not
     linkwright's; raises OutputError if that cannot be checked.
     """
     output = Output(plan.folder, report, overwrite=plan.overwrite)
-    source = getattr(plan.source, "path", None)
-    taken = {"the source": Path(source)} if source else {}
+    # Only sources that are files have a path.
+    source_path = getattr(plan.source, "path", None)
+    taken = {"the source": Path(source_path)} if source_path else {}
     require_free(output.target, taken, actions.folder(plan.cache.dir, environ))
     output.judge(suffix_of(plan), expected_files(plan))
     return output
@@ -66,11 +68,12 @@ def expected_files(plan: Plan) -> list[str]:
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
     if not suffix_of(plan):
-        files += [*expected_paths(plan, plan.name), *_engine_files(plan), *names(plan.page.preview)]
+        files += [*expected_paths(plan, plan.name), *_engine_files(plan), *preview_names(plan.page.preview)]
     return files
 
 
 def _engine_files(plan: Plan) -> list[str]:
+    """Returns the file of the viewer's engine, in a list; [] if the page contains it or has no viewer."""
     return [ENGINE_FILE] if plan.page.live == "shared" else []
 
 
@@ -80,7 +83,7 @@ def sweep_problems(plan: Plan) -> list[Diagnostic]:
 
 
 def offline_problems(plan: Plan) -> list[Diagnostic]:
-    """Returns the problems of `sweep_problems` for a job that asks no server, and so needs no API key."""
+    """Returns the problems of a job of a sweep that asks no server, and so needs no API key."""
     if not remote(plan):
         return sweep_problems(plan)
     offline_source = plan.source.model_copy(update={"offline": True, "refresh": False})
@@ -88,13 +91,14 @@ def offline_problems(plan: Plan) -> list[Diagnostic]:
 
 
 def _sweep_only_problems(plan: Plan) -> list[Diagnostic]:
+    """Returns the problems of a plan that only a sweep has."""
     problems = []
     if writes(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"
         hint = "sweep source.configuration, or build one robot at a time"
         problems.append(Diagnostic("E-VALUE", text, "source.variables", hint))
     if remote(plan) and plan.cache.mode == "bypass":
-        text = "a sweep fetches its source once, into the cache, from which its jobs build"
+        text = "a sweep needs the cache: it fetches the source once, and its jobs build from the cache"
         hint = "leave it out; cache.dir=FOLDER names another cache"
         problems.append(Diagnostic("E-VALUE", text, "cache.mode", hint))
     return problems

@@ -11,7 +11,7 @@ from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run import unchanged
-from linkwright.pipeline.terminal.closing import show
+from linkwright.pipeline.terminal.closing import print_closing_text
 from linkwright.pipeline.terminal.display import progress_for
 from linkwright.pipeline.terminal.progress import Quiet
 
@@ -42,7 +42,7 @@ def single(command: Command, build: "Callable[[Plan], Report] | None" = None) ->
         report = built.report
     if command.json:
         return build_document(report, whole=command.detail == "all")
-    show(report, sys.stdout, command.detail)
+    print_closing_text(report, sys.stdout, command.detail)
     return report.exit_status
 
 

@@ -25,7 +25,7 @@ from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.mesh_details import kept
-from linkwright.pipeline.observed import Answer, Observed
+from linkwright.pipeline.observed import AnsweredQuestion, Observations
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.output.location import require_free
@@ -57,7 +57,7 @@ _CACHE = re.compile(r"(?:\+\+)?cache\.dir=([\w./~+-]+)")
 class BuildRecord:
     """The record of a build, except its files, by which an unchanged build is recognised."""
 
-    answers: tuple[Answer, ...]
+    answers: tuple[AnsweredQuestion, ...]
     """The answers of the file system and the environment to the questions of the build."""
 
     source: Mapping[str, Any]
@@ -91,7 +91,7 @@ def action_of(command: Command) -> Action:
     return Action("build", VERSION, command_values, {"program": program.identity()})
 
 
-def remember(action: Action, command: Command, observations: Observed, built: "Built") -> None:
+def remember(action: Action, command: Command, observations: Observations, built: "Built") -> None:
     """Keeps a record of a build that ended, if the same answers lead to the same build."""
     run = built.run
     if not observations.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
@@ -125,7 +125,7 @@ def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
     return is_complete and run.seen.lasts and run.pictures.lasts
 
 
-def _record_of(built: "Built", answers: tuple[Answer, ...]) -> BuildRecord:
+def _record_of(built: "Built", answers: tuple[AnsweredQuestion, ...]) -> BuildRecord:
     # Late: an unchanged build remembers nothing.
     from linkwright.pipeline.run.preflight import suffix_of
 
@@ -172,7 +172,7 @@ def again(action: Action, command: Command, progress: Progress) -> Report | None
 
 
 def _is_unchanged(record: BuildRecord, action: Action, cache: Cache) -> bool:
-    if not observed.still_true(record.answers, action.key):
+    if not observed.have_same_answers(record.answers, action.key):
         return False
     if record.source and _content(read_again(record.source, os.environ)) != record.content:
         return False

@@ -36,12 +36,12 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
                 say(text, sys.stderr)
     if check:
         try:
-            snapshots.check_left_over()
+            snapshots.check_left_over_snapshots()
         except ValidationFailed as error:
             errors.append(error)
             say(render(error), sys.stderr)
     else:
-        removed = snapshots.remove_left_over()
+        removed = snapshots.remove_left_over_snapshots()
         changed += len(removed)
         for text in removed:
             say(text)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from linkwright.pipeline.snapshots.text import CONFIGURATION, FIGURES, Entries, read
+from linkwright.pipeline.snapshots.text import CONFIGURATION, FIGURES, Entries, read_entries
 from linkwright.stages.robot.text.plural import count
 
 _NOUNS = {CONFIGURATION: "key", FIGURES: "figure"}
@@ -11,7 +11,7 @@ _ABSENT = {CONFIGURATION: "(default)"}
 
 def differences(old: str, new: str) -> list[str]:
     """Returns lines about the differences of two snapshots' texts; [] if they are equal."""
-    before, after = read(old), read(new)
+    before, after = read_entries(old), read_entries(new)
     if before is None or after is None:
         return ["it is a snapshot of another format"]
     lines: list[str] = []

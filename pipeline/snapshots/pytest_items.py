@@ -51,7 +51,7 @@ class Snapshots(pytest.Collector):
             self._test(subject.title, partial(act, snapshots, subject), subject)
             for subject in snapshots.subjects
         ]
-        last = snapshots.remove_left_over if update else partial(_check_left_over, snapshots)
+        last = snapshots.remove_left_over_snapshots if update else partial(_check_left_over, snapshots)
         return [*tests, self._test("left over", last, SnapshotSubject())]
 
     def _test(self, name: str, act: Callable[[], list[str]], subject: SnapshotSubject) -> pytest.Item:
@@ -68,7 +68,7 @@ def _renew(snapshots: SnapshotFolder, subject: SnapshotSubject) -> list[str]:
 
 
 def _check_left_over(snapshots: SnapshotFolder) -> list[str]:
-    snapshots.check_left_over()
+    snapshots.check_left_over_snapshots()
     return []
 
 

@@ -10,29 +10,31 @@ from linkwright.pipeline.errors import ConfigError, OutputError, ValidationFaile
 from linkwright.pipeline.snapshots.compare import differences
 from linkwright.pipeline.snapshots.snapshot import Snapshot, all_subjects, file_of, names_of, snapshot
 from linkwright.pipeline.snapshots.subjects import FOLDER, RobotRepository, SnapshotSubject
-from linkwright.pipeline.snapshots.text import HEAD, read, subject_of
+from linkwright.pipeline.snapshots.text import HEAD, read_entries, subject_of
 
-RENEW = "if that is meant: linkwright snapshot, or pytest --linkwright-update"
-MAKE = "make it, and keep it in git: linkwright snapshot, or pytest --linkwright-update"
-REMOVE = "remove it: linkwright snapshot, or pytest --linkwright-update"
+RENEW_HINT = "if that is meant: linkwright snapshot, or pytest --linkwright-update"
+MAKE_HINT = "make it, and keep it in git: linkwright snapshot, or pytest --linkwright-update"
+REMOVE_HINT = "remove it: linkwright snapshot, or pytest --linkwright-update"
+
+_LEFT_OVER_REASON = "its robot is gone or has another name"
 
 
 @dataclass(frozen=True, slots=True)
 class Renewal:
-    """A snapshot that was written. `is_new`: whether it did not exist before; `text`: a text about its
-    changes."""
+    """The result of writing a snapshot."""
 
     is_new: bool
+    """Whether the snapshot did not exist before."""
+
     text: str
+    """A message for the user: the file, and its changes."""
 
 
 class SnapshotFolder:
-    """The snapshots of a repository, and the `subjects` that should have them.
-
-    Raises ConfigError if the repository has no robot.
-    """
+    """The snapshots of a repository, and the `subjects` that should have them."""
 
     def __init__(self, repository: RobotRepository, environ: Mapping[str, str] = os.environ) -> None:
+        """Lists the subjects; raises ConfigError if the repository has no robot."""
         self._repository = repository
         self._environ = environ
         self.subjects = all_subjects(repository, environ)
@@ -40,72 +42,80 @@ class SnapshotFolder:
     def check(self, subject: SnapshotSubject) -> None:
         """Raises ValidationFailed if the snapshot of a subject is missing or different; raises
         LinkwrightError if the subject cannot be composed or built."""
-        current, kept_text = self._new_and_kept(subject)
-        where = f"{FOLDER}/{current.file}"
-        if kept_text is None:
-            raise ValidationFailed(f"there is no snapshot of {subject.title}", where, MAKE)
-        if read(kept_text) is None:
-            raise ValidationFailed("it was written by another version, in another format", where, RENEW)
-        changes = differences(kept_text, current.text)
+        new_snapshot, old_text = self._new_snapshot_and_old_text(subject)
+        where = f"{FOLDER}/{new_snapshot.file}"
+        if old_text is None:
+            raise ValidationFailed(f"there is no snapshot of {subject.title}", where, MAKE_HINT)
+        if read_entries(old_text) is None:
+            raise ValidationFailed("it was written by another version, in another format", where, RENEW_HINT)
+        changes = differences(old_text, new_snapshot.text)
         if changes:
             error = ValidationFailed("the robot has changed", where)
-            for line in (*changes, f"→ {RENEW}"):
+            for line in (*changes, f"→ {RENEW_HINT}"):
                 error.add_note(line)
             raise error
 
     def renew(self, subject: SnapshotSubject) -> Renewal | None:
-        """Writes the snapshot of a subject, and returns its renewal; None if nothing changed. Raises
-        LinkwrightError as `check` does, and OutputError if the snapshot cannot be written."""
-        current, kept_text = self._new_and_kept(subject)
-        changes = [] if kept_text is None else differences(kept_text, current.text)
-        if kept_text is not None and not changes:
+        """Writes the snapshot of a subject, unless it is unchanged; then returns None. Raises LinkwrightError
+        as `check` does, and OutputError if the snapshot cannot be written."""
+        new_snapshot, old_text = self._new_snapshot_and_old_text(subject)
+        changes = [] if old_text is None else differences(old_text, new_snapshot.text)
+        if old_text is not None and not changes:
             return None
-        _write(self._repository.snapshots / current.file, current.text)
-        text = "\n  ".join(changes) if changes else "made"
-        return Renewal(kept_text is None, f"{FOLDER}/{current.file}: {text}")
+        _write(self._repository.snapshots / new_snapshot.file, new_snapshot.text)
+        text = "made" if old_text is None else "\n  ".join(changes)
+        return Renewal(old_text is None, f"{FOLDER}/{new_snapshot.file}: {text}")
 
-    def left_over(self) -> list[str]:
+    def left_over_snapshots(self) -> list[str]:
         """Returns the paths of snapshots whose robots no longer exist, or have another name now."""
         paths = []
         for file in sorted(self._repository.snapshots.glob("*.txt")):
-            entries = read(_content(file) or "")
-            owner = None if entries is None else subject_of(entries)
-            if owner is not None and (owner not in self.subjects or self._moved(owner, file)):
+            # Text files that are not snapshots have no entries, and stay.
+            entries = read_entries(_text(file) or "")
+            subject = None if entries is None else subject_of(entries)
+            if subject is None:
+                continue
+            if subject not in self.subjects or self._has_another_name(subject, file):
                 paths.append(f"{FOLDER}/{file.name}")
         return paths
 
-    def check_left_over(self) -> None:
+    def check_left_over_snapshots(self) -> None:
         """Raises ValidationFailed if snapshots are left over."""
-        paths = self.left_over()
+        paths = self.left_over_snapshots()
         if paths:
-            raise ValidationFailed(
-                "left over: its robot is gone or has another name", ", ".join(paths), REMOVE
-            )
+            raise ValidationFailed(f"left over: {_LEFT_OVER_REASON}", ", ".join(paths), REMOVE_HINT)
 
-    def remove_left_over(self) -> list[str]:
+    def remove_left_over_snapshots(self) -> list[str]:
         """Removes the left-over snapshots; returns a message about each of them."""
-        paths = self.left_over()
+        paths = self.left_over_snapshots()
         for path in paths:
             (self._repository.folder / path).unlink(missing_ok=True)
-        return [f"{path}: removed, its robot is gone or has another name" for path in paths]
+        return [f"{path}: removed, {_LEFT_OVER_REASON}" for path in paths]
 
-    def _new_and_kept(self, subject: SnapshotSubject) -> tuple[Snapshot, str | None]:
-        """Returns the new snapshot of a subject, and the text of the kept one; None if there is none yet."""
-        current = snapshot(self._repository, subject, self._environ)
-        rivals = [
-            rival for rival in self.subjects if self._names.get(rival, "").lower() == current.name.lower()
-        ]
-        if len(rivals) > 1:
-            msg = f"several have the name {current.name}, and would share a snapshot and an output folder"
-            titles = "; ".join(rival.title for rival in rivals)
-            raise ConfigError(msg, titles, "give each a name of its own: name: ...")
-        kept_text = _content(self._repository.snapshots / current.file)
-        if kept_text is not None and not kept_text.startswith(HEAD):
+    def _new_snapshot_and_old_text(self, subject: SnapshotSubject) -> tuple[Snapshot, str | None]:
+        """Returns a new snapshot of a subject, and the text of its file; None if there is no file yet."""
+        new_snapshot = snapshot(self._repository, subject, self._environ)
+        self._require_unique_name(new_snapshot.name)
+        old_text = _text(self._repository.snapshots / new_snapshot.file)
+        if old_text is not None and not old_text.startswith(HEAD):
             msg = "it is not a snapshot, and would be replaced"
-            raise OutputError(msg, f"{FOLDER}/{current.file}", "move the file")
-        return current, kept_text
+            raise OutputError(msg, f"{FOLDER}/{new_snapshot.file}", "move the file")
+        return new_snapshot, old_text
 
-    def _moved(self, subject: SnapshotSubject, file: Path) -> bool:
+    def _require_unique_name(self, name: str) -> None:
+        """Raises ConfigError if several subjects have robots of this name."""
+        # Some file systems do not distinguish upper and lower case.
+        namesakes = [
+            subject for subject in self.subjects if self._names.get(subject, "").lower() == name.lower()
+        ]
+        if len(namesakes) > 1:
+            msg = f"several robots have the name {name}, and would share a snapshot and an output folder"
+            titles = "; ".join(subject.title for subject in namesakes)
+            raise ConfigError(msg, titles, "give each robot its own name: name: ...")
+
+    def _has_another_name(self, subject: SnapshotSubject, file: Path) -> bool:
+        """Tells whether the robot of a subject has another name than its snapshot in `file`; False if the
+        robot cannot be composed."""
         name = self._names.get(subject)
         return name is not None and file.name != file_of(name)
 
@@ -114,8 +124,8 @@ class SnapshotFolder:
         return names_of(self._repository, self.subjects, self._environ)
 
 
-def _content(file: Path) -> str | None:
-    """Returns the text of a file; None if it does not exist."""
+def _text(file: Path) -> str | None:
+    """Returns the text of a file; None if it does not exist. Raises OutputError if it cannot be read."""
     try:
         return file.read_bytes().decode(errors="replace")
     except FileNotFoundError:

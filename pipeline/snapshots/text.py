@@ -43,7 +43,7 @@ def text(subject: SnapshotSubject, plan_of_subject: Composed, figures: Figures) 
     return "\n".join(lines) + "\n"
 
 
-def read(snapshot: str) -> Entries | None:
+def read_entries(snapshot: str) -> Entries | None:
     """Returns the entries of a snapshot's text; None if the text is not a snapshot of this format."""
     head, *lines = snapshot.replace("\r\n", "\n").split("\n")
     if head != f"{HEAD} {FORMAT}":

@@ -20,7 +20,7 @@ from linkwright.pipeline.caching import bundles
 from linkwright.pipeline.caching.actions import Action, Files, Remembered
 from linkwright.pipeline.config.plan import Plan, section
 from linkwright.pipeline.digest import sha256
-from linkwright.pipeline.element_files import require_entries
+from linkwright.pipeline.element_files import require_valid_elements
 from linkwright.pipeline.mesh_details import noted, shown
 from linkwright.pipeline.plugins.loader import named, own, with_sources
 from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
@@ -191,7 +191,7 @@ class ExportStage(StageBase):
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         require(plan)
-        require_entries(plan)
+        require_valid_elements(plan)
         with_date(plan, environ)
 
     def config(self, context: BuildContext) -> Any:

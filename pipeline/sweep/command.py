@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from linkwright.pipeline.config.compose import session
-from linkwright.pipeline.config.files.trust import BASIC
+from linkwright.pipeline.config.files.trust import BASIC_OPTION
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.json_documents.document import CommandDocument
@@ -26,7 +26,7 @@ from linkwright.pipeline.sweep.run import Sweep, jobs_of, judge_folders
 from linkwright.pipeline.sweep.search import run_search
 from linkwright.pipeline.sweep.summary_updates import updating_summary
 from linkwright.pipeline.sweep.terminal_table import table
-from linkwright.pipeline.terminal.output import say, width_of
+from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.robot.text.plural import count
 
 
@@ -35,7 +35,7 @@ def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int | Com
     the real build; None for the real build, for which the sources are fetched first."""
     with session(command.config_dirs, judge=sweep_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
-        if request.sweeping.sweeper != BASIC:
+        if request.sweeping.sweeper != BASIC_OPTION:
             return run_search(command, composer, request, build)
         composed_sweep = jobs_of(composer, request, sweep_problems)
         judge_folders(composed_sweep.jobs)
@@ -69,7 +69,7 @@ def _report(command: Command, outcomes: Sequence[Outcome], root: Path) -> int | 
     is_quiet = _is_quiet(command)
     status = sweep_status(outcomes)
     if (status or not is_quiet) and not command.json:
-        say(table(outcomes, root, width_of(sys.stdout)))
+        say(table(outcomes, root, terminal_width(sys.stdout)))
     write_summaries(outcomes, root)
     return sweep_document(status, root, outcomes) if command.json else status
 
@@ -85,7 +85,7 @@ def write_plan(command: Command) -> int | CommandDocument:
     find_problems = offline_problems if command.offline else sweep_problems
     with session(command.config_dirs, judge=find_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
-        if request.sweeping.sweeper != BASIC:
+        if request.sweeping.sweeper != BASIC_OPTION:
             msg = f"hydra/sweeper={request.sweeping.sweeper} chooses its jobs by the results of earlier jobs"
             raise ConfigError(msg, "--plan", "leave out --plan, or list the values without a search")
         composed_sweep = jobs_of(composer, request, find_problems)

@@ -97,7 +97,7 @@ def launcher_config(tree: DictConfig, settings: SweepSettings) -> DictConfig:
         with open_dict(config):
             for key, value in settings.launcher_settings.items():
                 OmegaConf.update(config, f"hydra.launcher.{key}", value)
-            for key, value in settings.search.items():
+            for key, value in settings.search_settings.items():
                 OmegaConf.update(config, f"hydra.{key}", value)
     except OmegaConfBaseException as error:
         raise _cannot_start(error) from error

@@ -17,7 +17,7 @@ from linkwright.pipeline.sweep.job_list import JobList, Share
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status
 from linkwright.pipeline.sweep.run import print_line
 from linkwright.pipeline.sweep.terminal_table import table
-from linkwright.pipeline.terminal.output import say, width_of
+from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.robot.errors import Offline
 
 _KINDS = ("done", "running", "failed", STALE, "missing")
@@ -140,7 +140,7 @@ def _tell(request: _Request) -> int | CommandDocument:
         if request.json or (request.is_quiet and not status):
             return request.answer(job_list_, status, outcomes)
         if outcomes:
-            say(table(outcomes, Path(job_list_.folder), width_of(sys.stdout)))
+            say(table(outcomes, Path(job_list_.folder), terminal_width(sys.stdout)))
     numbers = Counter(map(_kind, outcomes))
     say(", ".join(f"{numbers[kind]} {kind}" for kind in _KINDS if numbers[kind]) or "no jobs")
     return status

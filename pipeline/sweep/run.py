@@ -20,7 +20,7 @@ from linkwright.pipeline.run.preflight import destination
 from linkwright.pipeline.sweep.outcome import Outcome, built, failed
 from linkwright.pipeline.sweep.outcome_files import begin, leave, withdraw
 from linkwright.pipeline.sweep.summary_json import finite
-from linkwright.pipeline.terminal.output import clean, width_of
+from linkwright.pipeline.terminal.output import clean_stream, terminal_width
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
 from linkwright.stages.robot.text.printable import sentence
@@ -107,7 +107,7 @@ class Task:
 def print_line(line: str) -> None:
     # In a single write, since other processes write there too; a worker's pipe may be closed.
     with contextlib.suppress(BrokenPipeError):
-        err, width = clean(sys.stderr), width_of(sys.stderr)
+        err, width = clean_stream(sys.stderr), terminal_width(sys.stderr)
         text = sentence(line)
         err.write(f"{text if width is None else wrapped(text, width)}\n")
         err.flush()

@@ -30,7 +30,7 @@ from linkwright.pipeline.sweep.launchers.searching import directions_of, search
 from linkwright.pipeline.sweep.outcome import Outcome, failed
 from linkwright.pipeline.sweep.run import Job, jobs_of, judge_folders
 from linkwright.pipeline.sweep.terminal_table import table
-from linkwright.pipeline.terminal.output import say, width_of
+from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.fetch.source import SweepState
 from linkwright.stages.robot.errors import Diagnostic
 
@@ -73,7 +73,7 @@ def run_search(
     if command.json:
         return sweep_document(status, first.root, trials.outcomes, [job.number for job in best])
     if not is_quiet or not best:
-        say(table(trials.outcomes, first.root, width_of(sys.stdout)))
+        say(table(trials.outcomes, first.root, terminal_width(sys.stdout)))
     for outcome in best if not is_quiet else ():
         numbers = ", ".join(f"{value:.6g}" for value in trials.numbers(outcome))
         say(f"best: {numbers} of job {outcome.number}: {outcome.label}")

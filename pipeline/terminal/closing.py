@@ -1,4 +1,4 @@
-"""Prints the closing text of a build: diagnostics, failed checks, API calls and the output folder."""
+"""Prints the closing text of a build: diagnostics, checks, API calls and the output folder."""
 
 import re
 import sys
@@ -9,7 +9,7 @@ from linkwright.pipeline.options import Detail
 from linkwright.pipeline.report import Report, spent
 from linkwright.pipeline.terminal.check_text import check_lines, tally
 from linkwright.pipeline.terminal.finding_lines import Style, finding_lines
-from linkwright.pipeline.terminal.output import clean, width_of
+from linkwright.pipeline.terminal.output import clean_stream, terminal_width
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable
 
@@ -17,26 +17,28 @@ MAX_FINDINGS = 3
 """Largest number of findings of a check that the terminal shows."""
 
 ASCII_REPLACEMENTS = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
-"""ASCII replacements of the characters that a stream's encoding may lack."""
+"""Character that a stream's encoding may lack → its replacement in ASCII."""
 
-_STYLES = {"FAILED": "bold red", "WARNING": "yellow", "E": "bold red", "W": "yellow", "I": "cyan"}
-"""Style of a line's first word: by the word, or by the level (E, W, I) of a code."""
+_RICH_STYLES = {"FAILED": "bold red", "WARNING": "yellow", "E": "bold red", "W": "yellow", "I": "cyan"}
+"""Rich's style of a line's first word, by the word or by the level (E, W, I) of a code."""
 
-FULL_STYLE = Style("", whole=True)
+FULL_STYLE = Style(rest="", whole=True)
+"""The style that shows all findings, and shortens no message."""
 
-_HEAD = re.compile(r"(FAILED|WARNING|(?P<level>[EWI])-[A-Z0-9-]+)(?= )")
+_FIRST_WORD = re.compile(r"(FAILED|WARNING|(?P<level>[EWI])-[A-Z0-9-]+)(?= )")
+"""The first word of a line about a check or a diagnostic."""
 
 
 def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
-    """Returns the lines of the closing text. An entry with a text to paste contains line breaks."""
+    """Returns the lines of the closing text. A line with a text to paste contains line breaks."""
     if detail == "errors":
         return _error_lines(report)
     pages = f" (report.html, {report.preview})" if report.preview else ""
     return [
-        *finding_lines(report.diagnostics, _style(report, detail)),
-        *_checks(report, detail),
-        *_tables(report),
-        *_objective(report),
+        *finding_lines(report.diagnostics, _finding_style(report, detail)),
+        *_unmet_check_lines(report, detail),
+        *_table_lines(report),
+        *_objective_lines(report),
         *([tally(report.checks)] if report.checks else []),
         *spent(report),
         printable(f"{report.heading}: {report.folder or 'in memory'}{pages}"),
@@ -45,18 +47,21 @@ def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
 
 
 def _error_lines(report: Report) -> list[str]:
-    """Returns the lines about errors only: failed checks, and for a stale result its serious diagnostics."""
+    """Returns the lines about failed checks, and about errors and warnings if the result is stale."""
     diagnostics = report.diagnostics if report.status == "stale" else ()
     serious = [diagnostic for diagnostic in diagnostics if diagnostic.level != "info"]
-    return [*finding_lines(serious, FULL_STYLE), *_checks(report, "errors")]
+    return [*finding_lines(serious, FULL_STYLE), *_unmet_check_lines(report, "errors")]
 
 
-def _style(report: Report, detail: Detail) -> Style:
-    return FULL_STYLE if detail == "all" else Style("report.html" if report.folder else "-v shows all")
+def _finding_style(report: Report, detail: Detail) -> Style:
+    if detail == "all":
+        return FULL_STYLE
+    return Style(rest="report.html" if report.folder else "-v shows all")
 
 
-def _checks(report: Report, detail: Detail) -> Iterator[str]:
-    """Yields the checks that did not pass, failed checks last."""
+def _unmet_check_lines(report: Report, detail: Detail) -> Iterator[str]:
+    """Yields the lines of the checks that did not pass: warnings unless only errors are shown, then failed
+    checks."""
     max_findings = sys.maxsize if detail == "all" else MAX_FINDINGS
     if detail != "errors":
         for check in report.warned_checks:
@@ -65,20 +70,21 @@ def _checks(report: Report, detail: Detail) -> Iterator[str]:
         yield from check_lines("FAILED", check, max_findings, " in report.json")
 
 
-def _objective(report: Report) -> Iterator[str]:
+def _objective_lines(report: Report) -> Iterator[str]:
     if report.objective:
         values = (f"{name} {value:.6g}" for name, value in report.objective.items())
         yield printable(f"objective: {', '.join(values)}")
 
 
-def _tables(report: Report) -> Iterator[str]:
+def _table_lines(report: Report) -> Iterator[str]:
+    """Yields a line for each check that passed and has a table of its results."""
     location = " (report.html has the table)" if report.folder else ""
     for check in report.checks:
         if check.table and check.passed:
             yield printable(f"{check.name}: {check.detail}{location}")
 
 
-def render(report: Report, detail: Detail = "usual") -> str:
+def closing_text(report: Report, detail: Detail = "usual") -> str:
     """Returns the closing text, after the kinematic tree if the build ended at the graph stage."""
     tree = [*report.outline, ""] if _shows_tree(report, detail) else []
     return "".join(f"{line}\n" for line in [*tree, *closing_lines(report, detail)])
@@ -88,13 +94,13 @@ def _shows_tree(report: Report, detail: Detail) -> bool:
     return detail != "errors" and report.until == "graph" and bool(report.outline)
 
 
-def show(report: Report, stream: TextIO, detail: Detail = "usual") -> None:
-    """Prints the closing text: in colour and wrapped on a terminal, else as plain text."""
-    output, width = clean(stream), width_of(stream)
+def print_closing_text(report: Report, stream: TextIO, detail: Detail = "usual") -> None:
+    """Prints the closing text: in colour and wrapped if `stream` is a terminal, else as plain text."""
+    output, width = clean_stream(stream), terminal_width(stream)
     if width is None:
-        output.write(encodable(render(report, detail), stream.encoding))
+        output.write(replace_unencodable(closing_text(report, detail), stream.encoding))
         return
-    # Late: Rich takes a while to import, and plain output does not need it.
+    # Imported late, since Rich takes long to import and plain output does not need it.
     from rich.console import Console
     from rich.text import Text
 
@@ -102,20 +108,21 @@ def show(report: Report, stream: TextIO, detail: Detail = "usual") -> None:
     if _shows_tree(report, detail):
         fits = all(len(line) <= width for line in report.outline)
         for line in (*(report.outline if fits else report.narrow_outline), ""):
-            console.print(Text(encodable(output.clean(line), stream.encoding)), soft_wrap=True)
+            console.print(Text(replace_unencodable(output.clean_text(line), stream.encoding)), soft_wrap=True)
     for line in closing_lines(report, detail):
-        # As Text, since brackets in CAD names are not markup.
-        text = Text(encodable(wrapped(output.clean(line), width), stream.encoding))
-        if head := _HEAD.match(line):
-            text.stylize(_STYLES[head["level"] or head[1]], 0, head.end())
+        # A string would be read as markup, and names in CAD may have brackets.
+        text = Text(replace_unencodable(wrapped(output.clean_text(line), width), stream.encoding))
+        if word := _FIRST_WORD.match(line):
+            text.stylize(_RICH_STYLES[word["level"] or word[1]], 0, word.end())
         console.print(text, soft_wrap=True)
 
 
-def encodable(text: str, encoding: str | None) -> str:
-    """Replaces the characters that a stream of this encoding cannot write."""
-    code = encoding or "utf-8"
+def replace_unencodable(text: str, encoding: str | None) -> str:
+    """Returns a text with replacements of the characters that a stream of this encoding cannot write. Without
+    an encoding it is UTF-8."""
+    codec = encoding or "utf-8"
     try:
-        text.encode(code)
+        text.encode(codec)
     except UnicodeEncodeError:
-        return text.translate(ASCII_REPLACEMENTS).encode(code, "replace").decode(code)
+        return text.translate(ASCII_REPLACEMENTS).encode(codec, "replace").decode(codec)
     return text

@@ -9,7 +9,7 @@ def progress_for(stream: TextIO) -> Progress:
     """Returns a live display if `stream` is a terminal, else plain lines."""
     if not stream.isatty():
         return Lines(stream)
-    # Late: Rich takes a while to import, and plain output does not need it.
+    # Imported late, since Rich takes long to import and plain lines do not need it.
     from linkwright.pipeline.terminal.spinner import Terminal
 
     return Terminal(stream)

@@ -6,7 +6,7 @@ from typing import Protocol, TextIO
 
 from linkwright.pipeline.report import StageReport
 from linkwright.pipeline.secrets import Secrets
-from linkwright.pipeline.terminal.output import clean
+from linkwright.pipeline.terminal.output import clean_stream
 from linkwright.stages.robot.text.printable import printable
 
 
@@ -58,7 +58,7 @@ class Lines(Quiet):
     """Prints a plain line for each finished stage and for each detail."""
 
     def __init__(self, stream: TextIO) -> None:
-        self._stream = clean(stream)
+        self._stream = clean_stream(stream)
 
     def detail(self, stage: str, line: str) -> None:
         print(f"{stage:<8}     {printable(line)}", file=self._stream, flush=True)

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.text import Text
 
 from linkwright.pipeline.report import StageReport
-from linkwright.pipeline.terminal.output import clean, width_of
+from linkwright.pipeline.terminal.output import clean_stream, terminal_width
 from linkwright.pipeline.terminal.progress import Quiet, sentence
 from linkwright.pipeline.terminal.wrapping import wrapped
 from linkwright.stages.robot.text.printable import printable
@@ -20,8 +20,8 @@ class Terminal(Quiet):
     """A spinner that names the running stage and its time, below the finished stages."""
 
     def __init__(self, stream: TextIO) -> None:
-        self._clean = clean(stream).clean
-        self._console = Console(file=clean(stream).raw, highlight=False, width=width_of(stream))
+        self._clean = clean_stream(stream).clean_text
+        self._console = Console(file=clean_stream(stream).raw, highlight=False, width=terminal_width(stream))
         self._live: Any = None
         self._stage, self._detail, self._transient, self._start = "", "", "", 0.0
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.actuators.choices import choose_actuators
 from linkwright.stages.export.mjcf.sensing.cameras import unknown_frames
-from linkwright.stages.export.sensors.mounts import mounts_of, report_unknown
+from linkwright.stages.export.sensors.mounts import mounts_of, report_unknown_mount
 from linkwright.stages.export.sensors.of_dofs import joint_sensors, report_unmatched
 from linkwright.stages.export.variants.names import possible_quantities
 from linkwright.stages.export.variants.shares import matched_by
@@ -46,4 +46,4 @@ def _check_sensors(robot: Robot, keys: "ExportSections", log: Diagnostics) -> No
             frames += (("sees", frame) for frame in sensor.sees)
             for key, frame in frames:
                 if frame is not None and frame not in mounts:
-                    report_unknown(frame, f"{where}.{key}", mounts, log)
+                    report_unknown_mount(frame, f"{where}.{key}", mounts, log)

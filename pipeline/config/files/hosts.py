@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from linkwright.pipeline.config.files.trust import CODE
+from linkwright.pipeline.config.files.trust import TRUST_CODE
 from linkwright.stages.fetch.onshape.url import parse
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
@@ -28,7 +28,7 @@ def unnamed(tree: Mapping[str, Any], typed: Collection[str], environ: Mapping[st
     text = f"a file must not send the API key to a port of this computer ({origin})"
     text += f"; {VARIABLE} names another host" if trusted_host else ""
     hint = f"if you trust it: set {VARIABLE}={origin}, or give {KEY} on the command line"
-    return [Diagnostic(CODE, text, KEY, hint)]
+    return [Diagnostic(TRUST_CODE, text, KEY, hint)]
 
 
 def _origin(address: Any) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from omegaconf import DictConfig
 
 from linkwright.pipeline import observed
-from linkwright.pipeline.config.files.trust import CODE, are_trusted, override
+from linkwright.pipeline.config.files.trust import TRUST_CODE, are_trusted, override_text
 from linkwright.pipeline.config.messages import shown
 from linkwright.stages.robot.errors import Diagnostic
 
@@ -39,10 +39,10 @@ def outside(
     free_keys = {*typed, *([OUTPUT] if _ENVIRONMENT_VALUE.fullmatch(output_value) else [])}
     return [
         Diagnostic(
-            CODE,
+            TRUST_CODE,
             f"a file must name a folder below the working folder (given {shown(place)})",
             key,
-            f"if you want it there: {command} {override(key, place)}",
+            f"if you want it there: {command} {override_text(key, place)}",
         )
         for key, place in named.items()
         if key not in free_keys and isinstance(place, str) and not _is_below(place)
@@ -60,5 +60,5 @@ def _working_folders() -> Iterator[str]:
     folder = os.getcwd()  # noqa: PTH109
     yield folder
     by_link = os.environ.get("PWD", "")
-    if os.path.isabs(by_link) and observed.real(Path(by_link)) == observed.real(Path(folder)):  # noqa: PTH117
+    if os.path.isabs(by_link) and observed.real_path(Path(by_link)) == observed.real_path(Path(folder)):  # noqa: PTH117
         yield os.path.normpath(by_link)

@@ -1,7 +1,7 @@
 """Finds keys that a YAML file sets but must not set, because they could run code: files are data.
 
 The check compares the composed tree, which includes all files, packages and interpolations, with the tree
-that the command line alone composes (`trusted_tree`).
+that the command line alone composes.
 """
 
 import json
@@ -18,56 +18,55 @@ from linkwright.pipeline.key_path import Place, key_of
 from linkwright.pipeline.terminal import pasted
 from linkwright.stages.robot.errors import Diagnostic
 
-CODE = "E-TRUST"
+TRUST_CODE = "E-TRUST"
+"""Code of the problem of a key that only the command line may set."""
 
-VARIABLE = "LINKWRIGHT_TRUST"
-"""Environment variable with the files that are trusted as much as the command line."""
+TRUST_VARIABLE = "LINKWRIGHT_TRUST"
+"""Environment variable with the paths of files that may set what the command line may set."""
 
 SAFE_VALUES: Mapping[str, Any] = {"source.trust": False, "plugins": []}
 """Keys that let code run → the only value that a file may set."""
 
-TARGET = "_target_"
+TARGET_KEY = "_target_"
 """The key with which Hydra names code to run."""
 
-USER_CHECKS = ("validate", "checks")
-"""Place of the user's checks, which may name code in the modules of `plugins`."""
+_USER_CHECKS_PLACE, _OBJECTIVE_PLACE = ("validate", "checks"), ("objective",)
+"""Places of the user's checks and of the objective, which may name code in the modules of `plugins`."""
 
-OBJECTIVE = ("objective",)
-"""Place of the objective, which may name code in these modules too."""
-
-ALLOWED = (
+_ALLOWED_KEYS = (
     "below hydra a file may set only sweeper.params, a search's n_trials, direction and sampler.seed, "
     "sweep.dir, sweep.subdir, and a launcher's numbers, partition, account, qos and time"
 )
 
-LAUNCHER = "launcher"
-SWEEPER = "sweeper"
+LAUNCHER, SWEEPER = "launcher", "sweeper"
+"""The keys of the launcher and of the sweeper, below `hydra`."""
 
-PARAMS = "sweeper.params"
+PARAMS_KEY = "sweeper.params"
 """The key of a sweep's overrides, below `hydra`."""
 
-FOLDERS = ("sweep.dir", "sweep.subdir")
+FOLDER_KEYS = ("sweep.dir", "sweep.subdir")
 """The keys of a sweep's folders, below `hydra`."""
 
-BASIC = "basic"
-"""Name of Hydra's own launcher, and of its own sweeper: they run the jobs one after the other, one for each
-combination of the listed values."""
+BASIC_OPTION = "basic"
+"""Option of Hydra's own launcher and of its own sweeper: they run a job for each combination of the listed
+values, one after the other."""
 
-SEARCH = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
+SEARCH_KEYS = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
 """Keys of a search that a file may set: two numbers, and the direction."""
 
 _DIRECTIONS = ("minimize", "maximize")
 
-_TEXT_SETTINGS = ("partition", "account", "qos", "time")
-"""Settings of a launcher that are texts and that a file may set."""
+_TEXT_KEYS = ("partition", "account", "qos", "time")
+"""Keys of a launcher that a file may set to a text."""
 
 _SAFE_TEXT = re.compile(r"[\w.,:-]+", re.ASCII)
 """A text that is safe in a shell."""
 
-_CLOSED_SECTIONS = ("init", "additional_parameters")
-"""Sections of a launcher that name hosts (Ray's) or options of another program (Slurm's)."""
+_CLOSED_LAUNCHER_SECTIONS = ("init", "additional_parameters")
+"""Sections of a launcher in which a file may set nothing: they name hosts (Ray) or options of another program
+(Slurm)."""
 
-_SET_BY_HYDRA = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
+_KEYS_SET_BY_HYDRA = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
 """Keys that Hydra itself sets while it composes."""
 
 _ABSENT = object()
@@ -78,16 +77,16 @@ _ABSENT = object()
 class SweepSettings:
     """The sweep settings that files may set."""
 
-    launcher: str = BASIC
+    launcher: str = BASIC_OPTION
     """The option of hydra/launcher."""
-    sweeper: str = BASIC
+    sweeper: str = BASIC_OPTION
     """The option of hydra/sweeper."""
-    search: Mapping[str, Any] = field(default_factory=dict)
+    search_settings: Mapping[str, Any] = field(default_factory=dict)
     """The sweeper's settings that files set, by key below `hydra`."""
     launcher_settings: Mapping[str, Any] = field(default_factory=dict)
     """The launcher's settings that files set, by key below `hydra.launcher`."""
     params: Mapping[str, str] = field(default_factory=dict)
-    """The overrides to sweep: key → values."""
+    """Key to sweep → its values, as in an override."""
     dir: str | None = None
     """The folder of the sweep, None if not set."""
     subdir: str | None = None
@@ -95,78 +94,80 @@ class SweepSettings:
 
 
 def compare_hydra_nodes(
-    composed: Mapping[str, Any],
-    trusted_tree: Mapping[str, Any],
+    composed_node: Mapping[str, Any],
+    trusted_node: Mapping[str, Any],
     resolve: Callable[[Place], Any],
     command: Sequence[str] = ("linkwright",),
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Compares the composed `hydra` node (`composed`) with that of the command line (`trusted_tree`).
+    """Compares the composed node `hydra` with the node that the command line alone composes.
 
     Returns the changed settings that a file may set, by key without `hydra.`, and a problem for each other
-    change. The nodes contain unresolved interpolations; `resolve` returns the value at a path. `command`:
-    the typed command, with which hints begin.
+    change. The nodes contain unresolved interpolations; `resolve` returns the resolved value at a place.
+    `command`: the typed command, with which hints begin.
     """
-    changed: dict[str, Any] = {}
-    refused: dict[str, Diagnostic] = {}
-    for place, composed_value, trusted_value in _differences(composed, trusted_tree, ()):
+    settings: dict[str, Any] = {}
+    problems: dict[str, Diagnostic] = {}
+    for place, composed_value, trusted_value in _differences(composed_node, trusted_node, ()):
         key = key_of(place)
-        if key.startswith(_SET_BY_HYDRA):
+        if key.startswith(_KEYS_SET_BY_HYDRA):
             continue
-        is_resolved = key == PARAMS or (place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT)
-        value = resolve(place) if is_resolved else composed_value
+        # An interpolation is resolved only where a file may set a value.
+        in_launcher_or_sweeper = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
+        value = resolve(place) if key == PARAMS_KEY or in_launcher_or_sweeper else composed_value
         if _may_set(place, value, trusted_value):
-            changed[key] = value
+            settings[key] = value
         else:
-            # All changes within a section are one problem.
+            # All changes within a section make a single problem.
             section = key_of(place[: 2 if place[0] in (LAUNCHER, SWEEPER, "job") else 1])
             hint = _launcher_hint(place, value, trusted_value, command)
-            refused.setdefault(section, not_allowed(section, value, hint))
-    return changed, list(refused.values())
+            problems.setdefault(section, forbidden_key(section, value, hint))
+    return settings, list(problems.values())
 
 
 def _may_set(place: Place, value: Any, trusted_value: Any) -> bool:
     """Tells whether a file may set the key at `place`, below `hydra`, to a value."""
     key = key_of(place)
     return (
-        key == PARAMS
-        or key in FOLDERS
-        or _is_harmless(place, value, trusted_value)
+        key == PARAMS_KEY
+        or key in FOLDER_KEYS
+        or _is_launcher_setting(place, value, trusted_value)
         or _is_search_setting(key, value)
     )
 
 
-def _differences(composed: Any, trusted_tree: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
-    """Yields (place, value, trusted value) for each difference between nested mappings."""
-    if isinstance(composed, Mapping) and isinstance(trusted_tree, Mapping):
-        for name in {**composed, **trusted_tree}:
-            yield from _differences(
-                composed.get(name, _ABSENT), trusted_tree.get(name, _ABSENT), (*place, name)
-            )
-    # The types too, since 1 == True and 1 == 1.0.
-    elif type(composed) is not type(trusted_tree) or composed != trusted_tree:
-        yield place, None if composed is _ABSENT else composed, trusted_tree
+def _differences(composed: Any, trusted: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
+    """Yields (place, composed value, trusted value) for each difference between nested mappings. The composed
+    value is None if only the trusted node has the key."""
+    if isinstance(composed, Mapping) and isinstance(trusted, Mapping):
+        for name in {**composed, **trusted}:
+            yield from _differences(composed.get(name, _ABSENT), trusted.get(name, _ABSENT), (*place, name))
+    # Types are compared too, since 1 == True and 1 == 1.0.
+    elif type(composed) is not type(trusted) or composed != trusted:
+        yield place, None if composed is _ABSENT else composed, trusted
 
 
-def _is_harmless(place: Place, value: Any, trusted_value: Any) -> bool:
+def _is_launcher_setting(place: Place, value: Any, trusted_value: Any) -> bool:
     """Tells whether a file may set this key of the launcher: to a number where the command line's tree has a
     number or null, or to an allowed text that is safe in a shell."""
-    if (
-        place[0] != LAUNCHER
-        or trusted_value is _ABSENT
-        or str(place[-1]).startswith("_")
-        or {*place} & {*_CLOSED_SECTIONS}
-    ):
+    if not _is_launcher_key(place, trusted_value) or {*place} & {*_CLOSED_LAUNCHER_SECTIONS}:
         return False
     if _is_number(value):
         return trusted_value is None or _is_number(trusted_value)
-    return place[-1] in _TEXT_SETTINGS and isinstance(value, str) and bool(_SAFE_TEXT.fullmatch(value))
+    return place[-1] in _TEXT_KEYS and isinstance(value, str) and bool(_SAFE_TEXT.fullmatch(value))
+
+
+def _is_launcher_key(place: Place, trusted_value: Any) -> bool:
+    """Tells whether a place is a key of the launcher that the command line's tree has, unlike a key of
+    Hydra's own such as `_target_`."""
+    return place[0] == LAUNCHER and trusted_value is not _ABSENT and not str(place[-1]).startswith("_")
 
 
 def _is_search_setting(key: str, value: Any) -> bool:
-    """Tells whether this is a key of a search that a file may set to this value."""
+    """Tells whether a key, below `hydra`, is one of a search that a file may set to this value."""
     if key == "sweeper.direction":
-        return all(word in _DIRECTIONS for word in (value if _is_list(value) else [value]))
-    return key in SEARCH and _is_number(value)
+        # A search with several objectives has a list of directions.
+        return all(direction in _DIRECTIONS for direction in _as_list(value))
+    return key in SEARCH_KEYS and _is_number(value)
 
 
 def _is_number(value: Any) -> bool:
@@ -175,18 +176,17 @@ def _is_number(value: Any) -> bool:
 
 def _launcher_hint(place: Place, value: Any, trusted_value: Any, command: Sequence[str]) -> str:
     """Returns a hint to type a launcher's setting on the command line; "" if that is not allowed either."""
-    items = value if _is_list(value) else [value]
-    can_be_typed = all(isinstance(item, str | int | float) for item in items)
-    if place[0] != LAUNCHER or trusted_value is _ABSENT or not can_be_typed or str(place[-1]).startswith("_"):
+    can_be_typed = all(isinstance(item, str | int | float) for item in _as_list(value))
+    if not can_be_typed or not _is_launcher_key(place, trusted_value):
         return ""
-    return f"if you trust it: {pasted.line(command)} {override(f'hydra.{key_of(place)}', value)}"
+    return f"if you trust it: {pasted.line(command)} {override_text(f'hydra.{key_of(place)}', value)}"
 
 
-def not_allowed(key: str, value: Any = None, hint: str = "") -> Diagnostic:
+def forbidden_key(key: str, value: Any = None, hint: str = "") -> Diagnostic:
     """Returns the problem with a key of `hydra` that a file must not set."""
     suffix = "" if value is None else f" (given {shown(value)})"
-    hint = hint or f"remove it: {ALLOWED}"
-    return Diagnostic(CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
+    hint = hint or f"remove it: {_ALLOWED_KEYS}"
+    return Diagnostic(TRUST_CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
 
 
 def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
@@ -197,78 +197,88 @@ def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnos
         if not isinstance(defaults, list):
             continue
         for entry in defaults:
+            # An entry is `{group: option}`, or only a text.
             name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
             group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
             if group.startswith("hydra/") and group not in (f"hydra/{LAUNCHER}", f"hydra/{SWEEPER}"):
-                yield not_allowed(group.partition("/")[2])
+                yield forbidden_key(group.partition("/")[2])
 
 
 def forbidden_targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
-    """Yields a problem for each `_target_` in a tree, since it names code to run. In the user's own checks
-    and in the objective, code of trusted modules is allowed. `command`: the typed command, with which hints
-    begin."""
+    """Yields a problem for each forbidden `_target_` in a tree, which names code to run.
+
+    The user's own checks and the objective may name code in the modules of the tree's `plugins`. `place`: the
+    place of `tree` in the configuration; `command`: the typed command, with which hints begin.
+    """
     plugins: Any = tree.get("plugins") if isinstance(tree, Mapping) else ()
     names = [str(plugin) for plugin in plugins] if _is_list(plugins) else []
     return _forbidden_targets(tree, names, command, place)
 
 
 def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
+    """Yields the problems of `forbidden_targets`; `plugins`: the names of the trusted modules."""
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
     elif isinstance(tree, list | tuple):
         pairs = enumerate(tree)
     for name, value in pairs:
-        # Indices of lists stay numbers, keys become texts.
-        inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
-        if name != TARGET:
+        # Indices of lists stay numbers, keys of mappings become texts.
+        inner = (*place, str(name) if isinstance(tree, Mapping) else name)
+        if name != TARGET_KEY:
             yield from _forbidden_targets(value, plugins, command, inner)
-        elif place != OBJECTIVE and (place[:2] != USER_CHECKS or len(place) != 3):
+        elif not _may_name_code(place):
             text = f"a configuration must not name code (given {shown(value)})"
-            yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
+            yield Diagnostic(
+                TRUST_CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code"
+            )
         elif isinstance(value, str) and not is_in_modules(value, plugins):
             text = f"this names code in a module that is not trusted (given {shown(value)})"
-            module = override("plugins", [value.partition(".")[0]])
-            yield Diagnostic(CODE, text, key_of(inner), f"if you trust it: {command} {module}")
+            module = override_text("plugins", [value.partition(".")[0]])
+            yield Diagnostic(TRUST_CODE, text, key_of(inner), f"if you trust it: {command} {module}")
+
+
+def _may_name_code(place: Place) -> bool:
+    """Tells whether the mapping at a place is the objective or one of the user's checks."""
+    return place == _OBJECTIVE_PLACE or (place[:2] == _USER_CHECKS_PLACE and len(place) == 3)
 
 
 def is_in_modules(target: str, plugins: Iterable[str]) -> bool:
-    """Tells whether a `_target_` is in one of these modules or their submodules."""
+    """Tells whether the value of a `_target_` is in any of these modules or their submodules."""
     return any(target.startswith(f"{plugin}.") for plugin in plugins)
 
 
 def trust_problems(
     tree: Mapping[str, Any],
-    typed: Iterable[str],
+    typed_keys: Iterable[str],
     files: Iterable[Path],
     environ: Mapping[str, str],
     command: str,
 ) -> list[Diagnostic]:
     """Returns a problem for each key that lets code run and that only a file sets.
 
-    `typed`: the keys that the command line sets; `files`: the user's own files in the composition;
+    `typed_keys`: the keys that the command line sets; `files`: the user's own files in the composition;
     `command`: the typed command, with which hints begin.
     """
-    typed = set(typed)
-    settings = {
-        key: value for key, default in SAFE_VALUES.items() if (value := _at(tree, key, default)) != default
-    }
-    untrusted_keys = [key for key in settings if key not in typed]
+    settings = {key: _value_at(tree, key, safe_value) for key, safe_value in SAFE_VALUES.items()}
+    unsafe_keys = [key for key, value in settings.items() if value != SAFE_VALUES[key]]
+    untrusted_keys = [key for key in unsafe_keys if key not in set(typed_keys)]
     if not untrusted_keys or are_trusted(files, environ):
         return []
     return [
         Diagnostic(
-            CODE,
+            TRUST_CODE,
             "this key must be set on the command line, since a file cannot trust itself "
             f"(given {shown(settings[key])})",
             key,
-            f"if you trust it: {command} {override(key, settings[key])}",
+            f"if you trust it: {command} {override_text(key, settings[key])}",
         )
         for key in untrusted_keys
     ]
 
 
-def _at(tree: Any, key: str, default: Any) -> Any:
+def _value_at(tree: Any, key: str, default: Any) -> Any:
+    """Returns the value of a key, whose levels are separated by dots; `default` if the tree lacks it."""
     for name in key.split("."):
         if not isinstance(tree, Mapping) or name not in tree:
             return default
@@ -278,22 +288,27 @@ def _at(tree: Any, key: str, default: Any) -> Any:
 
 def are_trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
     """Tells whether `LINKWRIGHT_TRUST` names all of these files; False if there are none."""
-    texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
-    trusted_files = {observed.real(Path(text).expanduser()) for text in texts}
-    files = set(map(observed.real, files))
-    return bool(files) and files <= trusted_files
+    paths = [path for path in environ.get(TRUST_VARIABLE, "").split(os.pathsep) if path]
+    trusted_files = {observed.real_path(Path(path).expanduser()) for path in paths}
+    real_files = set(map(observed.real_path, files))
+    return bool(real_files) and real_files <= trusted_files
 
 
-def override(key: str, value: Any) -> str:
+def override_text(key: str, value: Any) -> str:
     """Returns `key=value` as a user types it."""
-    plain: bool | str | list[str] = str(value)
+    json_value: bool | str | list[str] = str(value)
     if isinstance(value, bool):
-        plain = value
+        json_value = value
     elif _is_list(value):
-        plain = [str(item) for item in value]
+        json_value = [str(item) for item in value]
     # Hydra reads texts without quotation marks.
-    text = json.dumps(plain, ensure_ascii=False).replace('"', "")
+    text = json.dumps(json_value, ensure_ascii=False).replace('"', "")
     return pasted.word(f"{key}={text}")
+
+
+def _as_list(value: Any) -> Sequence[Any]:
+    """Returns a list or tuple unchanged, and any other value as the only item of a list."""
+    return value if isinstance(value, list | tuple) else [value]
 
 
 def _is_list(value: Any) -> bool:

@@ -71,7 +71,7 @@ def text(path: Path) -> str:
     except regular_files.FileTooLarge as error:
         why = f"it has {error.size} bytes, and at most {MAX_BYTES} are read"
         raise RefusedError(why, _mark(path, 0, 0), "choose the YAML file of the robot") from None
-    observed.read(path, content)
+    observed.record_content(path, content)
     decoded = content.decode("utf-8")
     judge(decoded, path)
     return decoded

@@ -10,7 +10,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from linkwright.pipeline.config.files import yaml_file
 from linkwright.pipeline.config.files.reach import OutsideError, outside
-from linkwright.pipeline.config.files.trust import not_allowed
+from linkwright.pipeline.config.files.trust import forbidden_key
 from linkwright.pipeline.config.files.yaml_file import RefusedError
 from linkwright.pipeline.config.hydra.words import COMPOSING, in_words
 from linkwright.pipeline.config.messages import GLOBAL
@@ -95,7 +95,7 @@ def _too_deep(error: Any, presets: Presets) -> Diagnostic:
 
 def _not_composed(error: Any, presets: Presets) -> Diagnostic:
     if "hydra.searchpath" in str(error):
-        return not_allowed("searchpath")
+        return forbidden_key("searchpath")
     if "@robot." in str(error):
         return Diagnostic("E-KEY", "its defaults list chooses options below `robot`", "robot", HEADER)
     causes = [str(cause) for cause in (error, error.__cause__) if cause is not None]

@@ -76,7 +76,7 @@ class Guarded(ConfigSource):
             raise ConfigLoadError(msg)
         if self.installed(place):
             return _result(self, str(place), place.read_text(encoding="utf-8"))
-        result = _result(self, str(observed.real(place)), yaml_file.text(place))
+        result = _result(self, str(observed.real_path(place)), yaml_file.text(place))
         _check_order(result.config, config_path.removesuffix(".yaml"))
         return result
 
@@ -188,10 +188,10 @@ def guarded() -> Iterator[None]:
 
     def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **options: Any) -> Any:
         if inter_type == _ENVIRONMENT and inter_args:
-            observed.variable(str(inter_args[0]))
+            observed.record_variable(str(inter_args[0]))
         elif inter_type not in _PURE_RESOLVERS and depth and not _is_in_hydra_node(outermost):
             # At depth 0 files are merged: the value is resolved again where it is used.
-            observed.momentary()
+            observed.record_momentary_value()
         return evaluate(self, inter_type=inter_type, inter_args=inter_args, **options)
 
     setattr(Container, _RESOLVE, counted)

@@ -1,6 +1,6 @@
 """Reads Hydra's own configuration: launchers, sweep folders, and keys that a file must not set."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -9,11 +9,11 @@ from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
 from linkwright.pipeline.config.files.trust import (
-    CODE,
-    FOLDERS,
+    FOLDER_KEYS,
     LAUNCHER,
-    PARAMS,
-    SEARCH,
+    PARAMS_KEY,
+    SEARCH_KEYS,
+    TRUST_CODE,
     SweepSettings,
     compare_hydra_nodes,
 )
@@ -31,7 +31,7 @@ RAY = "ray"
 
 
 class HydraNode:
-    """Hydra's own configuration (the node `hydra`) in the trees that a session composes."""
+    """Hydra's own configuration, which is the node `hydra` of each tree that a session composes."""
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
@@ -43,36 +43,43 @@ class HydraNode:
         self.typed_overrides: list[str] = []
         """The overrides of Hydra's own keys on the command line."""
 
-    def set_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Stores the overrides of Hydra's own keys, unless they have problems, which it returns. `command`:
-        the typed command, for hints."""
+    def store_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
+        """Stores the overrides of Hydra's own keys, and returns an empty list. If they are invalid, stores
+        none of them, and returns their problems. `command`: the typed command, for hints."""
         self._command = list(command)
         self.typed_overrides = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed_overrides:
             return []
+        problems = self._composition_problems(overrides)
+        if problems:
+            self.typed_overrides = []
+        return problems
+
+    def _composition_problems(self, overrides: Sequence[Override]) -> list[Diagnostic]:
+        """Composes Hydra's configuration with the stored overrides, and returns the problems."""
         try:
-            # Composing shows whether the overrides are valid.
             self.trusted_config()
         # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
-            self.typed_overrides = []
             launchers = [override.values[0] for override in overrides if override.key == LAUNCHERS]
             problems = [self._launcher_problem(launcher) for launcher in launchers]
             return [problem for problem in problems if problem] or [explained(error, self._presets)]
         return []
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
-        """Returns the keys of Hydra, among these, that the command line sets."""
+        """Returns those of the keys of Hydra that the command line sets."""
         # A prefix (`+`, `++`) may come before the key.
         return {key for key in keys if any(f"{key}=" in override for override in self.typed_overrides)}
 
     def trusted_config(self, launcher: str = "", sweeper: str = "") -> DictConfig:
         """Returns Hydra's configuration as the command line alone composes it, without the robot's file.
-        Sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper; the user's
-        own options are found only in folders given by `--config-dir`."""
+
+        Sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper, "" for the
+        default. The user's own options are found only in folders that `--config-dir` names.
+        """
         if (launcher, sweeper) not in self._trusted_configs:
-            chosen = {LAUNCHERS: launcher, SWEEPERS: sweeper}
-            options = [f"{group}={option}" for group, option in chosen.items() if option]
+            option_by_group = {LAUNCHERS: launcher, SWEEPERS: sweeper}
+            options = [f"{group}={option}" for group, option in option_by_group.items() if option]
             arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.given)]
             self._trusted_configs[launcher, sweeper], _ = composed(arguments)
         return self._trusted_configs[launcher, sweeper]
@@ -82,31 +89,23 @@ class HydraNode:
     ) -> SweepSettings:
         """Returns the sweep settings, and adds a problem for each key of Hydra that a file must not set.
 
-        The folders are resolved for the robot `name` and a `job`, given by its number and label.
+        `name`: the robot's name; `job`: the number and the label of the job whose folders are returned.
+        Without a job, the settings have no folders.
         """
         launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (LAUNCHERS, SWEEPERS))
         # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
         if launcher == RAY and find_spec("hydra_plugins.hydra_ray_launcher") is None:
             draft.add(needs_plug_in(RAY))
-        changed = self._set_by_files(config, (launcher, sweeper), draft) if self._presets.own else {}
-        set_folders = [key for key in FOLDERS if key in changed or self.typed_keys([f"hydra.{key}"])]
-        folders = _resolved_folders(config, set_folders, name, job, draft) if job is not None else {}
-        prefix = f"{LAUNCHER}."
-        return SweepSettings(
-            launcher,
-            sweeper,
-            search={key: value for key, value in changed.items() if key in SEARCH},
-            launcher_settings={
-                key.removeprefix(prefix): value for key, value in changed.items() if key.startswith(prefix)
-            },
-            params={str(key): str(value) for key, value in (changed.get(PARAMS) or {}).items()},
-            dir=folders.get("sweep.dir"),
-            subdir=folders.get("sweep.subdir"),
-        )
+        file_settings = self._file_settings(config, (launcher, sweeper), draft) if self._presets.own else {}
+        folder_keys = [
+            key for key in FOLDER_KEYS if key in file_settings or self.typed_keys([f"hydra.{key}"])
+        ]
+        folders = _resolved_folders(config, folder_keys, name, job, draft) if job is not None else {}
+        return _sweep_settings(launcher, sweeper, file_settings, folders)
 
-    def _set_by_files(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
-        """Returns the settings of Hydra that files set and may set, and adds a problem for each setting that
-        they must not set. `options`: the launcher and the sweeper."""
+    def _file_settings(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
+        """Returns the settings of Hydra that files set and may set, by key without `hydra.`; adds a problem
+        for each other setting. `options`: the launcher and the sweeper."""
         try:
             if options not in self._trusted_nodes:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
@@ -114,22 +113,23 @@ class HydraNode:
         except Exception as error:
             draft.add(self._launcher_problem(options[0]) or explained(error, self._presets))
             return {}
-        composed_node = as_written(config.hydra)
+        # The search path of the composed tree has the user's folders, which no file has added.
         searchpath = [f"file://{folder}" for folder in self._presets.own]
-        trusted_config = {**self._trusted_nodes[options], "searchpath": searchpath}
-        changed, problems = compare_hydra_nodes(
-            composed_node,
-            trusted_config,
+        trusted_node = {**self._trusted_nodes[options], "searchpath": searchpath}
+        settings, problems = compare_hydra_nodes(
+            as_written(config.hydra),
+            trusted_node,
             lambda place: at(config, ("hydra", *place), draft.problems),
             self._command,
         )
         # A key that could not be resolved has a problem already.
         places = {problem.where for problem in draft.problems}
         draft.problems += [problem for problem in problems if problem.where not in places]
-        return changed
+        return settings
 
     def _launcher_problem(self, launcher: str) -> Diagnostic | None:
-        """Returns a problem if a launcher is the user's own, but is not in a `--config-dir`."""
+        """Returns a problem if a launcher is the user's own, but is not in a folder that `--config-dir`
+        names."""
         files = self._presets.own_files([f"{LAUNCHERS}/{launcher}"])
         if not files:
             return None
@@ -138,32 +138,55 @@ class HydraNode:
             return None
         text = f"your own launchers are used only from --config-dir, but this launcher is in {files[0]}"
         command = [*self._command[:1], "--config-dir", str(config_dir), *self._command[1:]]
-        return Diagnostic(CODE, text, f"{LAUNCHERS}={launcher}", f"if you trust it: {pasted.line(command)}")
+        return Diagnostic(
+            TRUST_CODE, text, f"{LAUNCHERS}={launcher}", f"if you trust it: {pasted.line(command)}"
+        )
+
+
+def _sweep_settings(
+    launcher: str, sweeper: str, file_settings: Mapping[str, Any], folders: Mapping[str, str]
+) -> SweepSettings:
+    """Sorts the settings that files set, and the folders, both by key without `hydra.`."""
+    prefix = f"{LAUNCHER}."
+    launcher_settings = {
+        key.removeprefix(prefix): value for key, value in file_settings.items() if key.startswith(prefix)
+    }
+    return SweepSettings(
+        launcher,
+        sweeper,
+        search_settings={key: value for key, value in file_settings.items() if key in SEARCH_KEYS},
+        launcher_settings=launcher_settings,
+        params={str(key): str(value) for key, value in (file_settings.get(PARAMS_KEY) or {}).items()},
+        dir=folders.get("sweep.dir"),
+        subdir=folders.get("sweep.subdir"),
+    )
 
 
 def _resolved_folders(
     config: DictConfig, keys: Sequence[str], name: Any, job: tuple[int, str], draft: Draft
 ) -> dict[str, str]:
-    """Returns the values of these keys below `hydra` for the robot `name` and a `job`, given by its number
-    and label. Changes `config`."""
-    number, label = job
+    """Returns the values of these keys below `hydra` for the robot `name` and a `job` (number, label).
+    Changes `config`: sets the robot's name and the job in it."""
     if not keys:
         return {}
+    number, label = job
     with open_dict(config):
         config.name = name
         config.hydra.job.num, config.hydra.job.id = number, str(number)
+        # The label separates the job's overrides by spaces, Hydra by commas.
         config.hydra.job.override_dirname = label.replace(" ", ",")
+    # `${hydra:...}` reads this configuration.
     HydraConfig.instance().set_config(config)
     return {key: str(at(config, ("hydra", *key.split(".")), draft.problems)) for key in keys}
 
 
 def search_path_override(folders: Iterable[Path]) -> list[str]:
-    """Returns the override that adds these folders to Hydra's search path."""
-    entries = ",".join(hydra_text(f"file://{folder}") for folder in folders)
+    """Returns the override that adds folders to Hydra's search path, in a list; [] without folders."""
+    entries = ",".join(quote_for_hydra(f"file://{folder}") for folder in folders)
     return [f"{SEARCHPATH}[{entries}]"] if entries else []
 
 
-def hydra_text(text: str) -> str:
-    """Quotes a text as a value in Hydra's override grammar."""
+def quote_for_hydra(text: str) -> str:
+    """Returns a text, quoted as a value in the grammar of Hydra's overrides."""
     escaped = text.replace("\\", "\\\\").replace("'", r"\'").replace("${", r"\${")
     return f"'{escaped}'"

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from typing import Any
 
 from linkwright.stages.export.losses.contacts import CONTACTS
-from linkwright.stages.export.losses.control import CONTROL
+from linkwright.stages.export.losses.control import CONTROL_LOSSES
 from linkwright.stages.export.losses.joints import JOINTS
 from linkwright.stages.export.losses.loss import Loss
 from linkwright.stages.export.writer import Case
 from linkwright.stages.robot.errors import Diagnostic
 
-LOSSES: tuple[Loss, ...] = (*JOINTS, *CONTACTS, *CONTROL)
+LOSSES: tuple[Loss, ...] = (*JOINTS, *CONTACTS, *CONTROL_LOSSES)
 """All losses, in the order in which a build reports them for a format."""
 
 

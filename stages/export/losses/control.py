@@ -1,4 +1,4 @@
-"""Lists losses of control: actuators, sensors, planning groups, commands of ROS 2, and names."""
+"""Lists what formats lose of actuators, sensors, planning groups, keyframes, commands of ROS 2, and names."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -12,55 +12,60 @@ if TYPE_CHECKING:
     from linkwright.stages.export.ros2.control import Ros2Plan
 
 
-def _mjcf_merged(case: Case[Any]) -> Iterator[str]:
+def _merged_links(case: Case[Any]) -> Iterator[str]:
+    """Yields the links that the MJCF merges into other bodies, each with its body."""
     for link in case.written.mjcf_form.fused:
-        yield f"{link} into {case.written.as_mjcf.held[link][0]}"
+        body, _ = case.written.as_mjcf.held[link]
+        yield f"{link} into {body}"
 
 
 def _other_keyframes(case: Case[Any]) -> list[str]:
     return [keyframe.name for keyframe in case.robot.keyframes if keyframe.name != HOME]
 
 
-def _renamed(case: Case[Any]) -> list[str]:
+def _renamed_elements(case: Case[Any]) -> list[str]:
     return [f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changed]
 
 
-def _ros2_renamed(case: "Case[Ros2Plan]") -> Iterator[str]:
-    for kind, names in case.plan.description.names.renamed.items():
+def _elements_renamed_in_ros2(case: "Case[Ros2Plan]") -> Iterator[str]:
+    for kinds, names in case.plan.description.names.renamed.items():
+        # The key is a plural: "links" or "joints".
+        kind = kinds.removesuffix("s")
         for name, new_name in names.items():
-            yield f"the {kind[:-1]} {name!r} is {new_name!r}"
+            yield f"the {kind} {name!r} is {new_name!r}"
 
 
-def _passive(case: "Case[Ros2Plan]") -> Iterator[str]:
+def _passive_joints(case: "Case[Ros2Plan]") -> Iterator[str]:
+    """Yields the joints without a command interface that follow no other joint."""
     for joint in case.plan.control.joints:
         if not joint.commands and not joint.follows:
             yield joint.name
 
 
-CONTROL = (
+CONTROL_LOSSES = (
     Loss(
         {"mjcf": "I-MJCF-MERGED"},
-        _mjcf_merged,
-        "links on fixed joints are sites of the bodies above them: {}",
-        "robot.json has the place of each, under fused; export.mjcf.fixed_joints=keep gives each a body",
+        _merged_links,
+        "links on fixed joints are merged into their parent bodies, as sites: {}",
+        "robot.json has their poses, under fused; export.mjcf.fixed_joints=keep gives each link a body",
     ),
     Loss(
         {"srdf": "I-SRDF-FREE"},
         free_joints,
-        "no group moves a joint of six degrees of freedom, and no pose has its value: {}",
-        "MoveIt takes the poses of these links from the node that publishes their states",
+        "joints of six degrees of freedom are in no planning group, and no pose has their values: {}",
+        "MoveIt gets the poses of their links from the node that publishes the joint states",
     ),
     Loss(
         {"srdf": "I-SRDF-LOOP"},
         lambda case: case.plan.loops,
-        "MoveIt knows no closed loops and plans as if these were open: {}",
-        "joints in them that nothing drives are passive joints, whose states must be published",
+        "MoveIt cannot represent closed loops and plans as if these were open: {}",
+        "joints of the loops that nothing drives are passive joints, whose states must be published",
     ),
     Loss(
         {"sdf": "I-SDF-ACTUATOR"},
         lambda case: [actuator.name for actuator in case.written.actuation.actuators],
         "SDF has no actuators, so these are left out: {}",
-        "a controller of Gazebo (JointPositionController, ros2_control) drives its joints",
+        "a controller of Gazebo (JointPositionController, ros2_control) can drive their joints",
     ),
     Loss(
         {"sdf": "I-SDF-SENSOR"},
@@ -71,47 +76,47 @@ CONTROL = (
     Loss(
         {"sdf": "I-SDF-TORQUE"},
         lambda case: [sensor.name for sensor in case.plan.sensors.mounted if sensor.aside],
-        "SDF measures torques about the origin of the joint above, in the axes of the sensor, so these "
-        "sensors, which are elsewhere on their links, give other torques than in the MJCF: {}",
+        "SDF measures torques about the origin of the parent joint; these sensors are elsewhere on their "
+        "links, so they give other torques than in the MJCF: {}",
         "subtract (sensor − joint) × force from the SDF's torque; forces are the same",
     ),
     Loss(
         {"sdf": "I-SDF-NAME"},
-        _renamed,
-        "links, joints and frames share one space of names in an SDF, and some names are reserved there: {}",
+        _renamed_elements,
+        "links, joints and frames share a namespace in an SDF, and some names are reserved there: {}",
         "the other formats keep the names",
     ),
     Loss(
         {"usd": "I-USD-SENSOR"},
         lambda case: [sensor.name for sensor in case.plan.sensing.sensors],
         "USD has no sensors except cameras, so these are left out: {}",
-        "Xforms on the links mark their poses: add the sensors of Isaac Sim or Newton there",
+        "Xforms on the links have their poses: add the sensors of Isaac Sim or Newton there",
     ),
     Loss(
         {"usd": "I-USD-KEYFRAME"},
         _other_keyframes,
-        "a USD has one pose, which is `home`, so these are left out: {}",
+        "a USD has a single pose, which is `home`, so these keyframes are left out: {}",
         "the MJCF has them as keyframes",
     ),
     Loss(
         {"usd": "I-USD-NAME"},
-        _renamed,
+        _renamed_elements,
         "names in a USD consist of ASCII letters, digits and _, and do not begin with a digit: {}",
         "the prim's display name is the original name (displayName)",
     ),
     Loss(
         {"ros2": "I-ROS2-NAME"},
-        _ros2_renamed,
+        _elements_renamed_in_ros2,
         "names of links and joints in the ROS package are letters, digits and _, and do not begin with a "
         "digit: {}",
         "the other formats keep the names; robot.json has both, under ros2",
     ),
     Loss(
         {"ros2": "I-ROS2-PASSIVE"},
-        _passive,
+        _passive_joints,
         "nothing drives these joints, so ros2_control has no command interface for them, and mock hardware "
         "leaves them at home: {}",
-        "`actuators` says what drives a joint",
+        "to drive them, add entries to `actuators`",
     ),
     Loss(
         {"ros2": "I-ROS2-FOLLOWER"},
@@ -136,16 +141,16 @@ CONTROL = (
     Loss(
         {"ros2": "I-ROS2-SENSOR"},
         lambda case: case.plan.control.left_out,
-        "ros2_control has no broadcaster for these sensors, or they are at no frame of the URDF, so they are "
-        "left out: {}",
-        "put a frame where the sensor is (`frames: {add: ...}`); cameras and the like have drivers of their "
-        "own in ROS",
+        "ros2_control has no broadcaster for these sensors, or the URDF has no frame at their poses, so they "
+        "are left out: {}",
+        "add a frame at the sensor's pose (`frames: {add: ...}`); cameras and the like have their own "
+        "drivers in ROS",
     ),
     Loss(
         {"ros2": "I-ROS2-CONTROL"},
         lambda case: case.plan.description.root.find("ros2_control") is not None,
-        "the URDF has a <ros2_control> of its own: it stays in the package's URDF, and its hardware is what "
-        "the xacro uses with use_mock_hardware:=false",
+        "the URDF already has a <ros2_control>: it stays in the package's URDF, and the xacro uses its "
+        "hardware with use_mock_hardware:=false",
         "the interfaces in the xacro are those of `actuators`, else those of the URDF",
     ),
 )

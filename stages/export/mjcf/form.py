@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.mjcf.contact.filters import filters
 from linkwright.stages.export.mjcf.extras import extras_of
-from linkwright.stages.export.sensors.mounts import loaded_links
+from linkwright.stages.export.sensors.mounts import links_with_load_sensors
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.mjcf.written import mjcf_form
 from linkwright.stages.formats.written import Written
@@ -27,7 +27,7 @@ def form_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfFor
     robot = replace(robot, mjcf=extras_of(robot, geometry, keys))
     if mjcf is None or mjcf.fixed_joints == "keep":
         return MjcfForm((), robot.mjcf)
-    loaded, merges = loaded_links(robot, keys.sensors), mjcf.fixed_joints == "merge"
+    loaded, merges = links_with_load_sensors(robot, keys.sensors), mjcf.fixed_joints == "merge"
     form = mjcf_form(robot, loaded, merges)
     if not form.fused:
         return form

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.export.configuration.sensor_section import MEASURES
 from linkwright.stages.export.ground.extents import Extents
-from linkwright.stages.export.sensors.mounts import Mount, mounts_of, report_unknown
+from linkwright.stages.export.sensors.mounts import Mount, mounts_of, report_unknown_mount
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
@@ -91,7 +91,7 @@ class MountedSensors:
 
     def _mount(self, name: str, where: str) -> Mount | None:
         if name not in self._mounts:
-            report_unknown(name, where, self._mounts, self._log)
+            report_unknown_mount(name, where, self._mounts, self._log)
         return self._mounts.get(name)
 
     def _reference(self, name: str, keys: "SensorSection") -> tuple[SensorTarget, str] | None:

@@ -1,4 +1,4 @@
-"""Finds the frames and links that carry sensors, by the names that users give."""
+"""Finds the frames and links of a robot on which sensors can be mounted."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,45 +13,48 @@ from linkwright.stages.robot.text.globs import no_match_hint
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.sensor_section import SensorSection
 
-LOAD_TYPES = ("force", "torque", "force_torque")
-"""Types of sensors that measure the load on the link above."""
+LOAD_SENSOR_TYPES = ("force", "torque", "force_torque")
+"""Types of sensors that measure the force or torque between a link and its parent."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mount:
-    """A frame or link that can carry sensors."""
+    """A frame or link on which sensors can be mounted."""
 
     name: str
-    """Its name."""
 
     link: str
-    """The link that it is part of."""
+    """The link that the frame is on, or the link itself."""
 
     link_from_mount: Array
-    """(4, 4)."""
+    """The pose (4, 4) of the frame in its link; the identity for a link."""
 
     is_frame: bool
-    """Whether it is a frame, so that a site has its name."""
+    """Whether it is a frame: only then a site of the MJCF has its name."""
 
 
 def mounts_of(robot: Robot) -> dict[str, Mount]:
-    """Returns the mounts by name. A frame hides a link of the same name."""
-    links = {link.name: Mount(link.name, link.name, frozen(np.eye(4)), False) for link in robot.links}
+    """Returns the mounts of a robot by name. If a frame and a link have the same name, the frame counts."""
+    links = {
+        link.name: Mount(link.name, link.name, frozen(np.eye(4)), is_frame=False) for link in robot.links
+    }
     frames = {
-        frame.name: Mount(frame.name, frame.link, frame.link_from_frame, True) for frame in robot.frames
+        frame.name: Mount(frame.name, frame.link, frame.link_from_frame, is_frame=True)
+        for frame in robot.frames
     }
     return links | frames
 
 
-def report_unknown(name: str, where: str, mounts: Mapping[str, Mount], log: Diagnostics) -> None:
-    """Reports that neither a frame nor a link has this name (E-FRAME)."""
+def report_unknown_mount(name: str, where: str, mounts: Mapping[str, Mount], log: Diagnostics) -> None:
+    """Reports E-FRAME for a name in the key `where` that no frame and no link has."""
     hint = no_match_hint(name, {"frames and links": mounts})
     log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint)
 
 
-def loaded_links(robot: Robot, sensors: Mapping[str, "SensorSection"]) -> set[str]:
-    """Returns the links whose load sensors measure. Each needs a body of its own in the MJCF, since MuJoCo
-    measures the load between a body and the body above."""
+def links_with_load_sensors(robot: Robot, sensors: Mapping[str, "SensorSection"]) -> set[str]:
+    """Returns the links with sensors of `LOAD_SENSOR_TYPES`. Each needs its own body in the MJCF, since
+    MuJoCo measures the load between a body and its parent."""
     mounts = mounts_of(robot)
-    names = [keys.frame or name for name, keys in sensors.items() if keys.type in LOAD_TYPES]
-    return {mounts[name].link for name in names if name in mounts}
+    load_sensors = {name: section for name, section in sensors.items() if section.type in LOAD_SENSOR_TYPES}
+    mount_names = [section.frame or name for name, section in load_sensors.items()]
+    return {mounts[name].link for name in mount_names if name in mounts}

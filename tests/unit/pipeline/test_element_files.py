@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.element_files import MAX_BYTES, element_texts, require_entries
+from linkwright.pipeline.element_files import MAX_BYTES, element_texts, require_valid_elements
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.run.build import build_files
 from linkwright.pipeline.run.preflight import plan_problems
@@ -55,7 +55,7 @@ def test_a_folder_is_no_file_paths_start_where_one_works_and_xml_has_a_format(tm
     monkeypatch.chdir(tmp_path)
     assert element_texts(plan_with("mount.xml")) == {"mount": "<sitee/>"}
     with pytest.raises(ConfigError) as caught:
-        require_entries(plan_with("mount.xml"))
+        require_valid_elements(plan_with("mount.xml"))
     (problem,) = caught.value.problems
     assert (problem.code, problem.where) == ("E-ELEMENT", "elements.mount")
     assert "<sitee>" in problem.message

@@ -95,7 +95,7 @@ def test_all_that_composing_asks_is_kept(here, monkeypatch, overrides):
     assert {path for path in paths - about if str(Path(path).parent) not in listed} == set()
     assert {str(here / "home" / "robot" / "arm.yaml"), *overrides} & (paths | {*overrides})
     kept = {name for question, name, _ in seen.answers if question == "variable"}
-    free = {name for name in names if name.startswith(observed.PREFIXES)} | STANDS_FOR_NOTHING
+    free = {name for name in names if name.startswith(observed.VARIABLE_PREFIXES)} | STANDS_FOR_NOTHING
     assert names - kept - free == set()
     assert seen.lasts
 
@@ -103,22 +103,22 @@ def test_all_that_composing_asks_is_kept(here, monkeypatch, overrides):
 def test_what_is_kept_is_true_until_anything_of_it_changes(here):
     with observed.recording("salt") as seen:
         plan_problems(compose_plan(["robot=arm"], ["../more"]).plan)
-    assert observed.still_true(seen.answers, "salt")
+    assert observed.have_same_answers(seen.answers, "salt")
     for path in ("robot/arm.yaml", "motors/strong.yaml", "mount.xml", ".env"):
         file = here / "home" / path
         text = file.read_text()
         for change in (f"{text} ", None):
             file.unlink() if change is None else file.write_text(change)
-            assert not observed.still_true(seen.answers, "salt"), path
+            assert not observed.have_same_answers(seen.answers, "salt"), path
             file.write_text(text)
-        assert observed.still_true(seen.answers, "salt"), path
+        assert observed.have_same_answers(seen.answers, "salt"), path
     for path in (
         "home/extra/none.yaml", "home/mesh/hull.yaml", "home/motors/weak.yaml", "more/robot/arm.yaml",
         "home/group/new.yaml",
     ):  # fmt: skip
         (here / path).parent.mkdir(exist_ok=True)
         (here / path).write_text("")
-        assert not observed.still_true(seen.answers, "salt"), path
+        assert not observed.have_same_answers(seen.answers, "salt"), path
         (here / path).unlink()
 
 
@@ -129,11 +129,11 @@ def test_a_variable_that_a_value_names_is_kept_as_a_digest(here, monkeypatch, na
     with observed.recording("salt") as seen:
         compose_plan(["robot=arm"])
     monkeypatch.setenv(name, "0.125")
-    assert not observed.still_true(seen.answers, "salt")
+    assert not observed.have_same_answers(seen.answers, "salt")
     with observed.recording("salt") as seen:
         compose_plan(["robot=arm"])
-    assert observed.still_true(seen.answers, "salt")
-    assert not observed.still_true(seen.answers, "another salt")
+    assert observed.have_same_answers(seen.answers, "salt")
+    assert not observed.have_same_answers(seen.answers, "another salt")
     assert "0.125" not in str([answer for question, *answer in seen.answers if "variable" in question])
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import yaml
 
 from linkwright.pipeline.report import Report, StageReport, failure_lines, versions
-from linkwright.pipeline.terminal.closing import encodable, render, show
+from linkwright.pipeline.terminal.closing import closing_text, print_closing_text, replace_unencodable
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.errors import Diagnostic
 from tests.support.terminal import Screen
@@ -35,7 +35,7 @@ REPORT = Report(
 def on_screen(report):
     """What a terminal shows, without colours."""
     screen = Screen()
-    show(report, screen)
+    print_closing_text(report, screen)
     return ESCAPES.sub("", screen.getvalue())
 
 
@@ -56,7 +56,7 @@ def test_the_json_holds_every_part_under_the_format_key():
 
 
 def test_plain_text_shows_findings_checks_calls_and_place():
-    assert render(REPORT).splitlines() == [
+    assert closing_text(REPORT).splitlines() == [
         "W-LIMIT Arm/Elbow [left]: no limits",
         "    → set joints.elbow.limits",
         "FAILED mass: 1 kg instead of 2 kg",
@@ -65,12 +65,12 @@ def test_plain_text_shows_findings_checks_calls_and_place():
         "arm: outputs/arm",
     ]
     bare = replace(REPORT, diagnostics=(), checks=(), calls={"made": 0, "saved": 0})
-    assert render(bare).splitlines() == ["arm: outputs/arm"]
+    assert closing_text(bare).splitlines() == ["arm: outputs/arm"]
 
 
 def test_a_robot_that_nobody_named_is_called_as_its_assembly_is():
     titled = replace(REPORT, name="onshape_e1c65b19", title="Left arm")
-    assert render(titled).splitlines()[-1] == "onshape_e1c65b19 (Left arm): outputs/arm"
+    assert closing_text(titled).splitlines()[-1] == "onshape_e1c65b19 (Left arm): outputs/arm"
     assert titled.heading == "onshape_e1c65b19 (Left arm)"
     assert json.loads(titled.to_json())["title"] == "Left arm"
 
@@ -93,11 +93,11 @@ def test_what_comes_after_an_error_counts_calls_and_names_source_and_report(tmp_
 
 def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():
     pipe = io.StringIO()
-    show(REPORT, pipe)
-    assert pipe.getvalue() == render(REPORT)
+    print_closing_text(REPORT, pipe)
+    assert pipe.getvalue() == closing_text(REPORT)
     facts = ["Arm/Elbow [left]", "set joints.elbow.limits", "FAILED", "1 kg instead of 2 kg", "outputs/arm"]
     assert [fact for fact in facts if fact not in on_screen(REPORT)] == []
-    assert "3 replies" not in on_screen(REPORT) + render(REPORT), "the stages are not listed again"
+    assert "3 replies" not in on_screen(REPORT) + closing_text(REPORT), "the stages are not listed again"
 
 
 def test_yaml_to_paste_is_the_same_yaml_on_a_narrow_terminal(monkeypatch):
@@ -134,7 +134,7 @@ def test_twenty_findings_of_a_code_are_one_with_the_count_and_the_three_worst():
     of_limits = [of_a_joint(number) for number in range(20)]
     rest = [Diagnostic("W-FEATURE", f"{kind} mate", "Arm", "suppress it") for kind in ("a", "b", "c", "d")]
     report = replace(REPORT, diagnostics=(*of_limits, *rest), checks=(), calls={})
-    assert render(report).splitlines()[:-1] == [
+    assert closing_text(report).splitlines()[:-1] == [
         "W-LIMIT ×20 joint_0: joint 0 has no limits",
         "    also: joint_1, joint_2 and 17 more (report.html)",
         "    → set limits",
@@ -145,7 +145,7 @@ def test_twenty_findings_of_a_code_are_one_with_the_count_and_the_three_worst():
         "    → suppress it",
         "    and 1 more (report.html)",
     ]
-    assert len(render(report, "all").splitlines()) == 2 * 24 + 1
+    assert len(closing_text(report, "all").splitlines()) == 2 * 24 + 1
 
 
 def test_v_shows_all_and_q_only_what_failed():
@@ -154,31 +154,31 @@ def test_v_shows_all_and_q_only_what_failed():
     )
     warned = Check("reach", False, "hit", level="warning", findings=(Finding("joint", "", "hit"),) * 9)
     report = replace(REPORT, diagnostics=diagnostics, checks=(*REPORT.checks, warned))
-    usual, verbose, quiet = (render(report, detail) for detail in ("usual", "all", "errors"))
+    usual, verbose, quiet = (closing_text(report, detail) for detail in ("usual", "all", "errors"))
     assert usual.count("place") < verbose.count("place") == 10
     assert "… (report.html)" in usual
     assert verbose.count("x ") >= 10 * 399
     assert (usual.count("joint: hit"), verbose.count("joint: hit")) == (3, 9)
     assert quiet == "FAILED mass: 1 kg instead of 2 kg\n"
     built = replace(report, status="built", checks=())
-    assert render(built, "errors") == ""
+    assert closing_text(built, "errors") == ""
     stale = replace(built, status="stale", diagnostics=(Diagnostic("W-QUOTA", "used up"), *diagnostics[:1]))
-    assert render(stale, "errors") == "W-QUOTA used up\n"
+    assert closing_text(stale, "errors") == "W-QUOTA used up\n"
 
 
 def test_yaml_for_all_of_a_code_is_shown_where_it_is_short():
     block = "all at once:\njoints:\n  a: 1"
     short = [*(of_a_joint(number) for number in range(3)), of_a_joint(3, f"set limits\n{block}")]
-    assert f"    → set limits\n{block}\n" in render(replace(REPORT, diagnostics=tuple(short)))
+    assert f"    → set limits\n{block}\n" in closing_text(replace(REPORT, diagnostics=tuple(short)))
     long = [*short[:3], of_a_joint(3, "set limits\n" + "\n".join(f"line {n}" for n in range(30)))]
-    assert "    → 30 lines to paste, for all (report.html)\n" in render(
+    assert "    → 30 lines to paste, for all (report.html)\n" in closing_text(
         replace(REPORT, diagnostics=tuple(long))
     )
 
 
 def test_a_message_of_several_lines_is_a_sentence():
     diagnostic = Diagnostic("I-LIVE", "Error: mass\n  Element 'geom', line 4\n", "report.html")
-    assert "I-LIVE report.html: Error: mass Element 'geom', line 4\n" in render(
+    assert "I-LIVE report.html: Error: mass Element 'geom', line 4\n" in closing_text(
         replace(REPORT, diagnostics=(diagnostic,))
     )
 
@@ -188,9 +188,9 @@ TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")
 
 def test_the_tree_is_shown_where_the_build_ends_at_the_graph_only():
     graph = replace(REPORT, until="graph", outline=TREE)
-    assert render(graph).splitlines()[:3] == [*TREE, ""]
-    assert TREE[1] not in render(replace(graph, until="validate"))
-    assert TREE[1] not in render(replace(graph, until="fetch", outline=()))
+    assert closing_text(graph).splitlines()[:3] == [*TREE, ""]
+    assert TREE[1] not in closing_text(replace(graph, until="validate"))
+    assert TREE[1] not in closing_text(replace(graph, until="fetch", outline=()))
     assert TREE[1] in on_screen(graph)
 
 
@@ -198,7 +198,7 @@ def test_a_narrow_terminal_gets_the_narrow_tree(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     wide = replace(REPORT, until="graph", outline=("x" * 90,), narrow_outline=("x" * 45, "x" * 45))
     assert on_screen(wide).splitlines()[:2] == ["x" * 45, "x" * 45]
-    assert render(wide).splitlines()[0] == "x" * 90
+    assert closing_text(wide).splitlines()[0] == "x" * 90
     monkeypatch.setenv("COLUMNS", "100")
     assert on_screen(wide).splitlines()[0] == "x" * 90
 
@@ -206,11 +206,11 @@ def test_a_narrow_terminal_gets_the_narrow_tree(monkeypatch):
 def test_a_stream_that_knows_no_boxes_gets_plain_letters():
     raw = io.BytesIO()
     pipe = io.TextIOWrapper(raw, encoding="ascii")
-    show(replace(REPORT, until="graph", outline=TREE), pipe)
+    print_closing_text(replace(REPORT, until="graph", outline=TREE), pipe)
     pipe.flush()
     text = raw.getvalue().decode("ascii")
     assert "`- elbow  < 90 deg  = -1 * drive ~" in text
     assert "    > set joints.elbow.limits" in text
-    assert encodable("Grübler │", "latin-1") == "Grübler |"
-    assert encodable("中 │", "utf-8") == "中 │"
-    assert encodable("中 │", "ascii") == "? |"
+    assert replace_unencodable("Grübler │", "latin-1") == "Grübler |"
+    assert replace_unencodable("中 │", "utf-8") == "中 │"
+    assert replace_unencodable("中 │", "ascii") == "? |"

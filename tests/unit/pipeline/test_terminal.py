@@ -16,8 +16,8 @@ from linkwright.pipeline.page.document import page
 from linkwright.pipeline.report import Report, StageReport
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.sweep.run import Job, Task
-from linkwright.pipeline.terminal.closing import show
-from linkwright.pipeline.terminal.output import clean, clean_streams
+from linkwright.pipeline.terminal.closing import print_closing_text
+from linkwright.pipeline.terminal.output import clean_standard_streams, clean_stream
 from linkwright.pipeline.terminal.progress import Lines, Log
 from linkwright.pipeline.terminal.spinner import Terminal
 from linkwright.stages.robot.check import Check
@@ -58,7 +58,7 @@ def harm(text, drawn=""):
 
 
 def test_print_logging_and_tracebacks_are_clean(capsys):
-    with clean_streams(), clean_streams():
+    with clean_standard_streams(), clean_standard_streams():
         print(f"{NASTY} {KEY}")
         handler = logging.StreamHandler()
         handler.emit(logging.LogRecord("x", 30, "x", 1, f"{NASTY} {KEY}", None, None))
@@ -75,7 +75,7 @@ def test_print_logging_and_tracebacks_are_clean(capsys):
 
 def test_outside_of_the_command_the_streams_are_as_they_were(capsys):
     before = sys.stdout
-    with clean_streams():
+    with clean_standard_streams():
         assert sys.stdout is not before
     assert sys.stdout is before
     print("\x1b[0m")
@@ -107,7 +107,7 @@ def test_progress_cannot_be_forged(make):
 @pytest.mark.parametrize("stream", [io.StringIO, Screen])
 def test_the_closing_table_cannot_be_forged(stream):
     screen = stream()
-    show(REPORT, screen)
+    print_closing_text(REPORT, screen)
     text = screen.getvalue()
     assert SHOWN in text
     assert harm(text, drawn="\x1b\r") == []
@@ -147,6 +147,6 @@ def test_a_job_of_a_sweep_is_clean_in_any_process(capsys):
 
 def test_the_cleaned_stream_is_the_stream_otherwise():
     screen = Screen()
-    assert clean(clean(screen)).raw is screen
-    assert clean(screen).isatty()
-    assert clean(screen).write("\x07") == 1
+    assert clean_stream(clean_stream(screen)).raw is screen
+    assert clean_stream(screen).isatty()
+    assert clean_stream(screen).write("\x07") == 1

@@ -13,7 +13,7 @@ from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import Offline
 from linkwright.pipeline.snapshots.compare import differences
 from linkwright.pipeline.snapshots.offline import offline
-from linkwright.pipeline.snapshots.text import read
+from linkwright.pipeline.snapshots.text import read_entries
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.sample import sample_document
 from tests.support.command import environment, linkwright
@@ -177,7 +177,7 @@ def test_two_that_would_share_a_snapshot_are_refused_as_they_would_share_an_outp
     write(here, pair_b=PAIR)
     assert run(["snapshot"]) == 2
     output = capsys.readouterr().err
-    assert "experiment=b; robot=pair_b: several have the name pair_b" in output
+    assert "experiment=b; robot=pair_b: several robots have the name pair_b" in output
     assert sorted(kept(here)) == ["pair.txt"]
 
 
@@ -324,7 +324,7 @@ def test_a_value_is_one_line_that_reads_as_it_alone(here, value):
     write(here, pair=PAIR + yaml.safe_dump({"vars": {"a": 0, "text": value, "other": other}}))
     run(["snapshot"])
     configuration = section(kept(here)["pair.txt"], "configuration")
-    entries = read(kept(here)["pair.txt"])
+    entries = read_entries(kept(here)["pair.txt"])
     assert entries is not None
     assert entries["configuration", "vars.text"] == configuration["vars.text"] != configuration["vars.other"]
 
