@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.formats.xml import Malformed, parse
 from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 
@@ -81,6 +81,6 @@ class ElementLines:
 
     def _data(self, file: str) -> bytes | None:
         try:
-            return content(self.folder / file, LARGEST_TEXT)
+            return content(self.folder / file, MAX_XML_BYTES)
         except (OSError, FileTooLarge):
             return None

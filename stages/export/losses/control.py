@@ -24,7 +24,7 @@ def _other_keyframes(case: Case[Any]) -> list[str]:
 
 
 def _renamed_elements(case: Case[Any]) -> list[str]:
-    return [f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changed]
+    return [f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changes]
 
 
 def _elements_renamed_in_ros2(case: "Case[Ros2Plan]") -> Iterator[str]:

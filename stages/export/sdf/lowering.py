@@ -116,7 +116,7 @@ def lower(robot: Robot, start: Configuration, names: SdfNames) -> SdfJoints:
         first = names.links[loop.link_a]
         *inner, last = maker.of(loop, names.links[loop.link_b], first, loop.b_from_frame)
         joints += [*inner, replace(last, at=first, place=loop.a_from_frame, carries=False)]
-    between = tuple(name for added in names.between.values() for name in added)
+    between = tuple(name for added in names.links_between.values() for name in added)
     return SdfJoints(tuple(joints), floating, between, stands)
 
 
@@ -136,7 +136,7 @@ class _JointMaker:
             name = self.names.joints[joint.name]
             no_limits = Limits(), Dynamics(), None
             yield SdfJoint(name, "fixed", parent, child, parent, pose, None, *no_limits, carries=True)
-        links = [parent, *self.names.between[joint.name], child]
+        links = [parent, *self.names.links_between[joint.name], child]
         for dof, parent_of_dof, child_of_dof in zip(joint.dofs, links, links[1:], strict=False):
             value = self.stands[dof.name]
             yield SdfJoint(

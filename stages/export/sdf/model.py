@@ -66,7 +66,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
     for name in lowered.between:
         write_link(model, name, SPECK, carriers, lowered)
     if robot.base.fixed:
-        base = element(model, "joint", name=names.base, type="fixed")
+        base = element(model, "joint", name=names.base_joint, type="fixed")
         element(base, "parent").text = "world"
         element(base, "child").text = first
     loads: dict[str, list[SdfSensor]] = {}

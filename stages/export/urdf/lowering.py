@@ -81,7 +81,7 @@ def unset_limits(dof: Dof) -> list[str]:
 
 
 def _lowered(joint: Joint, names: UrdfNames) -> Lowered:
-    places = [joint.parent, *names.between[joint.name], joint.child]
+    places = [joint.parent, *names.links_between[joint.name], joint.child]
     joints = []
     pose = joint.parent_from_joint
     for move, parent, child in zip(_moves(joint, names), places, places[1:], strict=False):

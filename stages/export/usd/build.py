@@ -48,7 +48,7 @@ def _picture(task: WriterInput) -> bytes | str:
 
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
     """Returns the entry of the USD in `robot.json`: names and zeros that differ from the robot's."""
-    renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changed) else None
+    renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changes) else None
     record = FormatRecord(renamed, plan.zeros or None)
     return {} if record == FormatRecord() else {"usd": record}
 

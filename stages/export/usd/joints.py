@@ -96,10 +96,10 @@ def usd_joints(robot: Robot, names: UsdNames, zeros: Configuration) -> tuple[Usd
     rows: list[UsdJoint] = []
     for joint in robot.joints:
         if joint.type != "free":
-            links = (names.links[joint.parent], *names.between[joint.name], names.links[joint.child])
+            links = (names.links[joint.parent], *names.links_between[joint.name], names.links[joint.child])
             rows += _chain(joint, links, joint.parent_from_joint, np.eye(4), names, zeros)
     for loop in robot.loops:
-        links = (names.links[loop.link_b], *names.between[loop.name], names.links[loop.link_a])
+        links = (names.links[loop.link_b], *names.links_between[loop.name], names.links[loop.link_a])
         general = _general(loop, links, names)
         *inner, last = (
             [general] if general else _chain(loop, links, loop.b_from_frame, loop.a_from_frame, names, {})
@@ -113,7 +113,9 @@ def added_links(robot: Robot, names: UsdNames, joints: tuple[UsdJoint, ...]) -> 
     to."""
     used = {joint.first for joint in joints}
     chains: list[Joint | Loop] = [*robot.joints, *robot.loops]
-    return tuple((name, joint.name) for joint in chains for name in names.between[joint.name] if name in used)
+    return tuple(
+        (name, joint.name) for joint in chains for name in names.links_between[joint.name] if name in used
+    )
 
 
 def _chain(

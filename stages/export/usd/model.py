@@ -178,7 +178,7 @@ class _LayerWriter:
         root_link = names.links[self.robot.root.name]
         roots = [self.bodies[root_link]]
         if self.robot.base.fixed:
-            base = joint_scope.child(names.base, "PhysicsFixedJoint")
+            base = joint_scope.child(names.base_joint, "PhysicsFixedJoint")
             # The robot's own prim is not a body, so UsdPhysics treats it as the world, even if the robot is
             # placed in a scene.
             base.point_to("physics:body0", self.layer.root)

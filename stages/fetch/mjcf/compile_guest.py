@@ -31,7 +31,7 @@ def answer(request: bytes) -> bytes:
     """
     question = json.loads(request)
     path = Path(question["path"])
-    mjcf_bounds.require(path, [Path(text) for text in question["texts"]])
+    mjcf_bounds.require_within_limits(path, [Path(text) for text in question["texts"]])
     model, spec, warnings = _compiled(path)
     meshes, textures = Meshes(model), Textures(model)
     body = codec.dump(convert(model, spec, meshes, textures, path.name))

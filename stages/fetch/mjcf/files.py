@@ -14,7 +14,7 @@ from itertools import chain, product
 from pathlib import Path, PurePath
 
 from linkwright.stages.formats import xml
-from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
 
@@ -81,7 +81,7 @@ def survey(path: Path) -> ModelFiles:
                 if regular_files.is_file(candidate):
                     digest_of[candidate], length = _digest(path, candidate, name)
                     size += length
-                    if candidate.suffix.lower() not in _NO_TEXT and 0 < length <= LARGEST_TEXT:
+                    if candidate.suffix.lower() not in _NO_TEXT and 0 < length <= MAX_XML_BYTES:
                         texts.append(candidate)
         names |= new_names
         if size > LARGEST_MODEL:
@@ -108,7 +108,7 @@ def _own_text(path: Path) -> str:
     try:
         text = _text(path)
     except regular_files.FileTooLarge:
-        raise _refused(path.name, f"it is longer than {LARGEST_TEXT >> 20} MB") from None
+        raise _refused(path.name, f"it is longer than {MAX_XML_BYTES >> 20} MB") from None
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         raise SourceError(msg, path.name, "check source.path and its permissions") from None
@@ -136,7 +136,7 @@ def _is_xml(text: str) -> bool:
 
 def _text(path: Path) -> str:
     """Returns a file's text without its comments."""
-    text = regular_files.content(path, LARGEST_TEXT).decode("latin-1").replace("\0", "")
+    text = regular_files.content(path, MAX_XML_BYTES).decode("latin-1").replace("\0", "")
     pieces, end = [], 0
     while (start := text.find("<!--", end)) >= 0:
         pieces.append(text[end:start])

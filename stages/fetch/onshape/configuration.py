@@ -1,7 +1,7 @@
-"""Checks the user's values of an assembly's configuration and encodes them as Onshape does.
+"""Checks the user's values for an assembly's configuration, and encodes them as Onshape does.
 
-The document lists its parameters, so all errors are reported at once, with the allowed values. The
-text is encoded here, since the server's own encoder would cost a call.
+Onshape lists the parameters of a configuration, so all errors are reported at once, with the allowed values.
+The text is encoded here, since the server's own encoder would cost a call.
 """
 
 import math
@@ -16,14 +16,27 @@ from linkwright.stages.formats.onshape_configuration import encoded, joined, spl
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 from linkwright.stages.robot.text.globs import did_you_mean
+from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.units import SI, UNITS, Measure
 
-Kind = Literal["Enum", "Boolean", "Quantity", "String"]
+ParameterKind = Literal["Enum", "Boolean", "Quantity", "String"]
+
 _KEY = "source.configuration"
-_KINDS: Mapping[str, Kind] = {kind.upper(): kind for kind in get_args(Kind)}
+
+_KIND_BY_TYPE: Mapping[str, ParameterKind] = {kind.upper(): kind for kind in get_args(ParameterKind)}
+"""`parameterType` of a parameter in a reply → its kind."""
+
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°]*)\s*")
+"""A number, and a unit or nothing."""
+
+_MAX_BOUND = 1e300
+"""Largest size of a bound: Onshape writes the largest double for "no bound"."""
+
 _BOUND_TOLERANCE = 1e-9
-"""Relative tolerance of bounds, which may be typed in another unit than the value."""
+"""Relative tolerance of bounds, which may have another unit than the value."""
+
+_MIN_COMPARED_SIZE = 1e-6
+"""Size, in units of the bounds, to which the tolerance is relative if the value is smaller."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,25 +45,25 @@ class Parameter:
 
     id: str
     name: str
-    kind: Kind
+    kind: ParameterKind
     options: Mapping[str, str]
-    """Id → label, for an Enum."""
+    """Id → label of each option of an Enum."""
 
     measure: str = ""
-    """"LENGTH", "ANGLE", "INTEGER", "REAL", ..., for a Quantity."""
+    """The measure of a Quantity, such as "LENGTH", "ANGLE", "INTEGER" or "REAL"."""
 
     unit: str = ""
-    """The unit of `least` and `most`; "" for plain numbers."""
+    """The unit of the bounds; "" for plain numbers."""
 
-    least: float | None = None
-    """Lower bound of a Quantity; None without a bound."""
+    lower_bound: float | None = None
+    """The smallest value of a Quantity; None without a bound."""
 
-    most: float | None = None
-    """Upper bound of a Quantity; None without a bound."""
+    upper_bound: float | None = None
+    """The largest value of a Quantity; None without a bound."""
 
     @property
-    def allowed(self) -> str:
-        """Describes the allowed values in words."""
+    def allowed_values(self) -> str:
+        """The allowed values, in words."""
         match self.kind:
             case "Enum":
                 return ", ".join(dict.fromkeys(self.options.values()))
@@ -61,16 +74,17 @@ class Parameter:
             case "Quantity":
                 bounds = [
                     f"{word} {bound:g} {self.unit}".rstrip()
-                    for word, bound in (("from", self.least), ("to", self.most))
+                    for word, bound in (("from", self.lower_bound), ("to", self.upper_bound))
                     if bound is not None
                 ]
-                expected = {"INTEGER": "a whole number", "REAL": "a number"}.get(self.measure)
-                return " ".join([expected or f'a number with its unit, such as "10 {self.unit}"', *bounds])
+                with_unit = f'a number with its unit, such as "10 {self.unit}"'
+                number = {"INTEGER": "a whole number", "REAL": "a number"}.get(self.measure, with_unit)
+                return " ".join([number, *bounds])
 
 
-def read(body: bytes) -> tuple[Parameter, ...]:
-    """Returns the parameters in a reply. Raises ProtocolError for any other reply. Parameters of unknown
-    kinds take any text."""
+def read_parameters(body: bytes) -> tuple[Parameter, ...]:
+    """Returns the parameters that a reply lists; those of unknown kinds take any text. Raises ProtocolError
+    if the reply is not a list of parameters."""
     try:
         records = orjson.loads(body)["configurationParameters"]
         return tuple(_parameter(record.get("message", record)) for record in records)
@@ -82,17 +96,18 @@ def read(body: bytes) -> tuple[Parameter, ...]:
         raise ProtocolError(msg, hint="leave source.configuration out; the API may have changed") from None
 
 
-def encode(base: str, settings: Mapping[str, Any], parameters: Sequence[Parameter]) -> str:
-    """Returns Onshape's text for `settings` (name or id → value) over `base`, the text in the address.
+def encode_settings(base: str, settings: Mapping[str, Any], parameters: Sequence[Parameter]) -> str:
+    """Returns Onshape's text for the configuration `base`, which is in the address, with `settings` (name or
+    id of a parameter → value).
 
-    Raises SourceError with every parameter that does not exist or is given twice, and every value that is not
+    Raises SourceError with every parameter that does not exist or is set twice, and every value that is not
     allowed.
     """
     log = Diagnostics()
     values_by_id: dict[str, str] = {}
     for name, value in settings.items():
         place = f"{_KEY}.{name}"
-        parameter = _find(name, place, parameters, log)
+        parameter = _find_parameter(name, place, parameters, log)
         if parameter is None:
             continue
         if parameter.id in values_by_id:
@@ -100,53 +115,59 @@ def encode(base: str, settings: Mapping[str, Any], parameters: Sequence[Paramete
             log.report("E-CONFIGURATION", text, place, "remove one of the two")
             continue
         try:
-            values_by_id[parameter.id] = _CHECKS[parameter.kind](parameter, value)
+            values_by_id[parameter.id] = _CONVERTERS[parameter.kind](parameter, value)
         except ValueError as error:
-            log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}")
+            log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed_values}")
     if log.problems:
-        count = f"{len(log.problems)} problems" if len(log.problems) > 1 else "1 problem"
-        msg = f"invalid configuration of the assembly: {count}"
+        msg = f"invalid configuration of the assembly: {count(len(log.problems), 'problem')}"
         raise SourceError(msg, _KEY, problems=log.problems)
     values = split(base) | {name: encoded(value) for name, value in values_by_id.items()}
-    # One order, whatever the order of the keys: the same configuration is the same request.
+    # In the order of the document, so that the same configuration is always the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
     return joined(dict(sorted(values.items(), key=lambda item: rank.get(item[0], len(rank)))))
 
 
 def _parameter(record: Mapping[str, Any]) -> Parameter:
-    kinds = str(record.get("parameterType") or "").upper()
-    text = f"{record.get('btType') or ''}{record.get('typeName') or ''}"
-    kinds_named = (kind for name, kind in _KINDS.items() if name == kinds or f"Parameter{kind}" in text)
+    """Returns the parameter that a record of a reply describes. Some replies wrap records in `message`."""
+    type_name = str(record.get("parameterType") or "").upper()
+    # Without a `parameterType`, a class such as BTMConfigurationParameterEnum names the kind.
+    class_names = f"{record.get('btType') or ''}{record.get('typeName') or ''}"
+    kinds = (
+        kind for name, kind in _KIND_BY_TYPE.items() if name == type_name or f"Parameter{kind}" in class_names
+    )
     options = [option.get("message", option) for option in record.get("options") or ()]
     bounds = record.get("rangeAndDefault") or {}
     bounds = bounds.get("message", bounds)
     return Parameter(
         id=str(record["parameterId"]),
         name=str(record.get("parameterName") or record["parameterId"]),
-        kind=next(kinds_named, "String"),
+        kind=next(kinds, "String"),
         options={
             str(option["option"]): str(option.get("optionName") or option["option"]) for option in options
         },
         measure=str(record.get("quantityType") or ""),
         unit=str(bounds.get("units") or ""),
-        least=_bound(bounds.get("minValue")),
-        most=_bound(bounds.get("maxValue")),
+        lower_bound=_bound(bounds.get("minValue")),
+        upper_bound=_bound(bounds.get("maxValue")),
     )
 
 
 def _bound(value: Any) -> float | None:
-    # Onshape writes "no bound" as the largest double.
-    return None if value is None or abs(float(value)) > 1e300 else float(value)
+    return None if value is None or abs(float(value)) > _MAX_BOUND else float(value)
 
 
-def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnostics) -> Parameter | None:
+def _find_parameter(
+    name: str, place: str, parameters: Sequence[Parameter], log: Diagnostics
+) -> Parameter | None:
+    """Returns the parameter with this id, else with this name. Reports E-CONFIGURATION and returns None if
+    there is no such parameter, or several."""
     for attribute in ("id", "name"):
-        hits = [parameter for parameter in parameters if getattr(parameter, attribute) == name]
-        if len(hits) == 1:
-            return hits[0]
-        if hits:
-            ids = ", ".join(parameter.id for parameter in hits)
-            msg = f"{len(hits)} parameters have this name"
+        matches = [parameter for parameter in parameters if getattr(parameter, attribute) == name]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            ids = ", ".join(parameter.id for parameter in matches)
+            msg = f"{len(matches)} parameters have this name"
             log.report("E-CONFIGURATION", msg, place, f"use the id: {ids}")
             return None
     names = [parameter.name for parameter in parameters]
@@ -161,23 +182,24 @@ def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnosti
     return None
 
 
-def _option(parameter: Parameter, value: Any) -> str:
+def _option_id(parameter: Parameter, value: Any) -> str:
+    """Returns the id of an option, from its id or its label."""
     if isinstance(value, bool):
         msg = f"must be one of the options, not {str(value).lower()} (put it in quotes if it is text)"
         raise ValueError(msg)
     text = str(value)
     if text in parameter.options:
         return text
-    hits = [option for option, label in parameter.options.items() if label == text]
-    if len(hits) == 1:
-        return hits[0]
+    ids = [option_id for option_id, label in parameter.options.items() if label == text]
+    if len(ids) == 1:
+        return ids[0]
     msg = f"{text!r} is not allowed"
-    if hits:
-        msg = f"{len(hits)} options have this label, so name one by its id: {', '.join(hits)}"
+    if ids:
+        msg = f"{len(ids)} options have this label, so name one by its id: {', '.join(ids)}"
     raise ValueError(msg)
 
 
-def _boolean(parameter: Parameter, value: Any) -> str:
+def _boolean_text(parameter: Parameter, value: Any) -> str:
     del parameter
     if isinstance(value, bool):
         return str(value).lower()
@@ -187,7 +209,7 @@ def _boolean(parameter: Parameter, value: Any) -> str:
     raise ValueError(msg)
 
 
-def _string(parameter: Parameter, value: Any) -> str:
+def _string_text(parameter: Parameter, value: Any) -> str:
     del parameter
     if isinstance(value, str):
         return value
@@ -195,8 +217,8 @@ def _string(parameter: Parameter, value: Any) -> str:
     raise ValueError(msg)
 
 
-def _quantity(parameter: Parameter, value: Any) -> str:
-    """Returns a quantity as text: from a number in SI, or from text of a number with its unit."""
+def _quantity_text(parameter: Parameter, value: Any) -> str:
+    """Returns a quantity as text: from a number in SI, or from a text of a number with its unit."""
     if isinstance(value, bool):
         msg = f"must be a number (given {str(value).lower()})"
         raise ValueError(msg)
@@ -208,44 +230,51 @@ def _quantity(parameter: Parameter, value: Any) -> str:
     measures: Mapping[str, Measure] = {"LENGTH": "length", "ANGLE": "angle"}
     measure = measures.get(parameter.measure)
     if measure is not None:
-        return _measured(parameter, measure, number, unit or SI[measure])
+        return _length_or_angle_text(parameter, measure, number, unit or SI[measure])
     if parameter.measure in ("INTEGER", "REAL"):
         if unit or (parameter.measure == "INTEGER" and number != int(number)):
             kind = "whole" if parameter.measure == "INTEGER" else "plain"
             msg = f"must be a {kind} number (given {value!r})"
             raise ValueError(msg)
-        _within(parameter, number, 1.0, repr(value))
+        _require_within_bounds(parameter, number, 1.0, repr(value))
         return f"{number:.0f}" if parameter.measure == "INTEGER" else repr(number)
-    # Masses, forces, times, ...: the server knows their units, and a bare number is in its own.
+    # The server converts masses, forces, times and so on; a number without a unit is in the parameter's.
     return f"{number!r} {unit or parameter.unit}".rstrip()
 
 
-def _measured(parameter: Parameter, measure: Measure, number: float, unit: str) -> str:
-    size, kind = UNITS.get(unit, (0.0, measure))
-    if not size:
+def _length_or_angle_text(parameter: Parameter, measure: Measure, number: float, unit: str) -> str:
+    """Returns a length or angle as text with its unit; raises ValueError for a unit of another measure."""
+    if unit not in UNITS:
         msg = f"unknown unit {unit!r}"
         raise ValueError(msg)
-    if kind != measure:
-        article = {"length": "a length", "angle": "an angle"}
-        msg = f"must be {article[measure]}, and {unit} is the unit of {article[kind]}"
+    unit_size, unit_measure = UNITS[unit]
+    if unit_measure != measure:
+        nouns = {"length": "a length", "angle": "an angle"}
+        msg = f"must be {nouns[measure]}, and {unit} is the unit of {nouns[unit_measure]}"
         raise ValueError(msg)
-    _within(parameter, number * size, UNITS.get(parameter.unit, (1.0, measure))[0], f"{number:g} {unit}")
+    # Bounds in a unit that is unknown here are taken for SI.
+    bound_unit_size, _ = UNITS.get(parameter.unit, (1.0, measure))
+    _require_within_bounds(parameter, number * unit_size, bound_unit_size, f"{number:g} {unit}")
     return f"{number!r} {unit}"
 
 
-def _within(parameter: Parameter, value: float, size: float, shown: str) -> None:
-    """Raises ValueError if `value` (SI) is outside of the bounds, which are in units of `size` (SI)."""
-    slack = _BOUND_TOLERANCE * max(abs(value), size * 1e-6)
-    low = parameter.least is not None and value < parameter.least * size - slack
-    high = parameter.most is not None and value > parameter.most * size + slack
-    if low or high:
-        msg = f"{shown} is too {'small' if low else 'large'}"
+def _require_within_bounds(parameter: Parameter, value: float, unit_size: float, value_text: str) -> None:
+    """Raises ValueError if `value` [SI] is outside of the parameter's bounds. `unit_size`: the size of the
+    bounds' unit [SI]; `value_text`: the value for the message."""
+    tolerance = _BOUND_TOLERANCE * max(abs(value), unit_size * _MIN_COMPARED_SIZE)
+    lower, upper = parameter.lower_bound, parameter.upper_bound
+    is_too_small = lower is not None and value < lower * unit_size - tolerance
+    is_too_large = upper is not None and value > upper * unit_size + tolerance
+    if is_too_small or is_too_large:
+        msg = f"{value_text} is too {'small' if is_too_small else 'large'}"
         raise ValueError(msg)
 
 
-_CHECKS: Mapping[Kind, Callable[[Parameter, Any], str]] = {
-    "Enum": _option,
-    "Boolean": _boolean,
-    "String": _string,
-    "Quantity": _quantity,
+_CONVERTERS: Mapping[ParameterKind, Callable[[Parameter, Any], str]] = {
+    "Enum": _option_id,
+    "Boolean": _boolean_text,
+    "String": _string_text,
+    "Quantity": _quantity_text,
 }
+"""Kind of a parameter → the function that converts a value to Onshape's text. It raises ValueError for a
+value that is not allowed."""

@@ -70,10 +70,10 @@ class Configured:
             return None
 
     def _with(self, body: bytes) -> AssemblyUrl:
-        parameters = configuration.read(body)
+        parameters = configuration.read_parameters(body)
         return replace(
             self._url,
-            configuration=configuration.encode(self._url.configuration, self._settings, parameters),
+            configuration=configuration.encode_settings(self._url.configuration, self._settings, parameters),
         )
 
     def _request(self, pin: str) -> str:

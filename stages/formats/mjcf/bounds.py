@@ -1,4 +1,4 @@
-"""Limits the size of an MJCF: the counts by which a few bytes of XML would become a huge model."""
+"""Limits the size of an MJCF, in which a few bytes of XML can describe a huge model."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -10,85 +10,99 @@ from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
 
-LARGEST_TEXT = 1 << 25
-"""Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""
+MAX_XML_BYTES = 1 << 25
+"""Largest size of an XML file [bytes]: ten times that of a model of 10,000 bodies."""
 
 MAX_COPIES = 10_000
-"""Largest number of elements that <replicate>, <composite> and <flexcomp> may make."""
+"""Largest number of elements that <replicate>, <composite> and <flexcomp> may make, all together."""
 
 MAX_COUNT = 10_000
-"""Largest value of an attribute that allocates memory."""
+"""Largest value of an attribute by which MuJoCo allocates memory."""
 
 MAX_CELLS = 1 << 26
 """Largest number of pixels of an image, or of points of a height field."""
 
 MAX_BODIES = 20_000
-"""Largest number of bodies: MuJoCo's compiler takes a minute for these, and its time grows with the
-square."""
+"""Largest number of bodies: MuJoCo's compiler takes a minute for that many, and its time grows with the
+square of the number."""
 
-MAX_LETTERS = 1000
-"""Largest length of a name."""
+MAX_NAME_LENGTH = 1000
+"""Largest number of letters of a name."""
 
-_NAMES = ("name", "model", "prefix", "class")
-_COUNTS = re.compile(r"nkey|nuser\w*|dim|actdim|nsample")
-_COPYING = ("replicate", "composite", "flexcomp")
-_AREAS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
+_NAME_ATTRIBUTES = ("name", "model", "prefix", "class")
+
+_COUNT_ATTRIBUTES = re.compile(r"nkey|nuser\w*|dim|actdim|nsample")
+
+_COPYING_TAGS = ("replicate", "composite", "flexcomp")
+"""Elements that make copies; `count` has their number, or the numbers along several axes."""
+
+_SIZE_ATTRIBUTES = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
+"""Element → the attributes whose product is its number of cells."""
 
 
-def require(path: Path, texts: Iterable[Path]) -> None:
-    """Raises SourceError if the XML of the model `path`, in `texts`, exceeds a limit.
+def require_within_limits(path: Path, texts: Iterable[Path]) -> None:
+    """Raises SourceError if the model at `path` exceeds a limit. `texts`: the XML files of the model.
 
-    Excesses that show only across several files, or in MuJoCo's own parser, are left to the limits of the
-    guest process.
+    Each file is judged by itself. What exceeds a limit only across several files, or in MuJoCo's own parser,
+    is stopped by the limits of the guest process.
     """
     for text in texts:
         try:
-            root = xml.parse(regular_files.content(text, LARGEST_TEXT), large=True)
+            root = xml.parse(regular_files.content(text, MAX_XML_BYTES), large=True)
         except (xml.Malformed, OSError, regular_files.FileTooLarge):
             continue  # MuJoCo reports that
-        for why in _beyond(root):
-            msg = f"it exceeds a size limit: {why}"
+        for violation in _violations(root):
+            msg = f"it exceeds a size limit: {violation}"
             raise SourceError(msg, path.name, "remove it, or lower the number")
 
 
-def _beyond(root: Element) -> Iterator[str]:
+def _violations(root: Element) -> Iterator[str]:
     """Yields violations of the limits, such as "<size nkey> is 2000000000; at most 10000 is allowed"."""
-    copies: dict[Element, float] = {}
-    copied = bodies = 0.0
+    # Element → the number of copies of each element in it.
+    copies_inside: dict[Element, float] = {}
+    copied_elements = 0.0
+    body_count = 0
     for element in root.iter():
-        above = copies.get(element.getparent(), 1.0)
-        copies[element] = above * (max(1.0, _product(element, "count")) if element.tag in _COPYING else 1.0)
-        copied = max(copied + (above if above > 1 else 0), copies[element] if copies[element] > 1 else 0)
-        bodies += element.tag == "body"
-        if copied > MAX_COPIES:
-            copying = ", ".join(f"<{name}>" for name in _COPYING)
-            yield f"its copies ({copying}) come to {copied:.6g} elements; at most {MAX_COPIES} are allowed"
+        copies = copies_inside.get(element.getparent(), 1.0)
+        factor = max(1.0, _product(element, "count")) if element.tag in _COPYING_TAGS else 1.0
+        copies_inside[element] = copies * factor
+        if copies > 1:
+            copied_elements += copies
+        if copies_inside[element] > 1:
+            # <composite> and <flexcomp> make their elements, so they need not have any.
+            copied_elements = max(copied_elements, copies_inside[element])
+        if copied_elements > MAX_COPIES:
+            tags = ", ".join(f"<{tag}>" for tag in _COPYING_TAGS)
+            made = f"its copies ({tags}) come to {copied_elements:.6g} elements"
+            yield f"{made}; at most {MAX_COPIES} are allowed"
             return
-        yield from _large(element)
-    if bodies > MAX_BODIES:
-        yield f"it has {bodies:.0f} bodies; at most {MAX_BODIES} are allowed"
+        body_count += element.tag == "body"
+        yield from _attribute_violations(element)
+    if body_count > MAX_BODIES:
+        yield f"it has {body_count} bodies; at most {MAX_BODIES} are allowed"
 
 
-def _large(element: Element) -> Iterator[str]:
-    """Yields violations of the limits in an element."""
-    name = element.tag
+def _attribute_violations(element: Element) -> Iterator[str]:
+    """Yields violations of the limits by the attributes of an element."""
+    tag = element.tag
     for key, value in element.items():
-        if _COUNTS.fullmatch(key) and _number(value) > MAX_COUNT:
-            yield f"<{name} {key}> is {_number(value):.12g}; at most {MAX_COUNT} is allowed"
-        if key in _NAMES and len(value) > MAX_LETTERS:
-            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MAX_LETTERS} are allowed"
-    if name in _AREAS:
-        cells = prod(_product(element, key) for key in _AREAS[name])
+        if _COUNT_ATTRIBUTES.fullmatch(key) and _number(value) > MAX_COUNT:
+            yield f"<{tag} {key}> is {_number(value):.12g}; at most {MAX_COUNT} is allowed"
+        if key in _NAME_ATTRIBUTES and len(value) > MAX_NAME_LENGTH:
+            yield f"the {key} of a <{tag}> has {len(value)} letters; at most {MAX_NAME_LENGTH} are allowed"
+    if tag in _SIZE_ATTRIBUTES:
+        cells = prod(_product(element, key) for key in _SIZE_ATTRIBUTES[tag])
         if cells > MAX_CELLS:
-            yield f"<{name}> has {cells:.6g} points; at most {MAX_CELLS} are allowed"
+            yield f"<{tag}> has {cells:.6g} points; at most {MAX_CELLS} are allowed"
 
 
 def _product(element: Element, key: str) -> float:
+    """Returns the product of the numbers in an attribute; 1 without the attribute."""
     return prod(_number(text) for text in element.get(key, "").split())
 
 
 def _number(text: str) -> float:
-    """Returns a count; 1 if it is not a number (MuJoCo reports that)."""
+    """Returns the number in a text; 1 if it is not a number, which MuJoCo reports."""
     try:
         return float(text)
     except ValueError:

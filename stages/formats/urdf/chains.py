@@ -87,7 +87,7 @@ def _steps(written: Robot) -> Iterator[UrdfStep]:
     for joint in written.joints:
         named_dofs: list[tuple[str, Dof | None]] = [(joint.name, None)] if not joint.dofs else []
         named_dofs += [(name, dof) for dof in joint.dofs for name in names.turns.get(dof.name, (dof.name,))]
-        links = [joint.parent, *names.between[joint.name], joint.child]
+        links = [joint.parent, *names.links_between[joint.name], joint.child]
         for (name, dof), parent, child in zip(named_dofs, links, links[1:], strict=False):
             yield UrdfStep(name, parent, child, dof)
     fixed = [(frame.link, names.frames[frame.name]) for frame in written.frames]

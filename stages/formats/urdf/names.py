@@ -21,7 +21,7 @@ class UrdfNames:
     ends: Mapping[str, tuple[str, str]]
     """Loop → the links that represent its two frames."""
 
-    between: Mapping[str, tuple[str, ...]]
+    links_between: Mapping[str, tuple[str, ...]]
     """Joint → the links between its dofs."""
 
     turns: Mapping[str, tuple[str, str, str]]

@@ -16,17 +16,17 @@ class UsdNames:
     joints: Mapping[str, str]
     """Names of the dofs of joints and loops; of joints and loops without dofs, their own names."""
 
-    between: Mapping[str, tuple[str, ...]]
+    links_between: Mapping[str, tuple[str, ...]]
     """Joint or loop → the links between its dofs."""
 
-    base: str
+    base_joint: str
     """The joint that holds the root link of a fixed robot."""
 
     scopes: Mapping[str, str]
     """Content → the prim next to the links that holds it."""
 
     @property
-    def changed(self) -> Iterator[tuple[str, str, str]]:
+    def changes(self) -> Iterator[tuple[str, str, str]]:
         """Yields the things with another name in the USD: kind, name, and name in the USD."""
         for kind, names in (("link", self.links), ("joint", self.joints)):
             yield from ((kind, name, prim) for name, prim in names.items() if name != prim)

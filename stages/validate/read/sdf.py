@@ -113,9 +113,9 @@ class ReadSdf(ReadRobot):
         return {"link": {*model.links}, "joint": {*model.joints}, "frame": {*model.frames}}
 
     def names_expected(self) -> Names:
-        names, base = self.names, {self.names.base} if self.robot.base.fixed else set()
+        names, base = self.names, {self.names.base_joint} if self.robot.base.fixed else set()
         joints = {names.joints[dof] for group in self._chains() for dof in _dof_names(group)} | base
-        links = {*names.links.values(), *(name for added in names.between.values() for name in added)}
+        links = {*names.links.values(), *(name for added in names.links_between.values() for name in added)}
         return {"link": links, "joint": joints, "frame": {*names.frames.values()}}
 
     def _chains(self) -> list[Joint | Loop]:
@@ -128,7 +128,7 @@ class ReadSdf(ReadRobot):
 
     def unexpected_masses(self) -> Iterator[tuple[str, float, Finding]]:
         """Yields the links between the dofs of a joint or loop."""
-        for name in (name for added in self.names.between.values() for name in added):
+        for name in (name for added in self.names.links_between.values() for name in added):
             mass = self.model.links[name].inertial.mass
             yield name, mass, differs(named("link", name), self.attribute_names.mass, mass, 0.0, "kg")
 

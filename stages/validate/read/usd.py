@@ -94,14 +94,14 @@ class ReadUsd(ReadRobot):
         """Returns the links, and the joints that the robot must have. Which further joints there may be
         depends on the loops."""
         joints = self.names_expected()["joint"] & self.usd.joints.keys()
-        between = {name for added in self.names.between.values() for name in added}
+        between = {name for added in self.names.links_between.values() for name in added}
         return {"link": self.usd.bodies.keys() - between, "joint": joints}
 
     def names_expected(self) -> Names:
         titles = self.names.joints
         joints = {titles[dof.name] for dof in self.robot.dofs if dof.kind != "free"}
         joints |= {titles[joint.name] for joint in self.robot.joints if not joint.dofs}
-        joints |= {self.names.base} if self.robot.base.fixed else set()
+        joints |= {self.names.base_joint} if self.robot.base.fixed else set()
         return {"link": {*self.names.links.values()}, "joint": joints}
 
     def mass_properties(self, link: str) -> MassProperties:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from linkwright.stages.formats import png
 from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
-from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 from linkwright.stages.mujoco.includes import resolve
 from linkwright.stages.robot.errors import SourceError
@@ -134,7 +134,7 @@ def _admit_included(model: Path, sizes: Sizes, seen: set[Path]) -> None:
 
 def _parsed(path: Path) -> Element | None:
     try:
-        return parse(regular_files.content(path, LARGEST_TEXT))
+        return parse(regular_files.content(path, MAX_XML_BYTES))
     except (Malformed, OSError, regular_files.FileTooLarge):
         return None  # a check reports it
 
@@ -163,7 +163,7 @@ def _admit(path: Path, sizes: Sizes, seen: set[Path], where: str) -> None:
     if not regular_files.is_file(path):
         return  # a check reports what is wrong with it
     size, text = path.stat().st_size, path.suffix.lower() in TEXTS
-    limit = (MAX_TRUTH_BYTES if path.name == TRUTH else LARGEST_TEXT) if text else MAX_ASSET_BYTES
+    limit = (MAX_TRUTH_BYTES if path.name == TRUTH else MAX_XML_BYTES) if text else MAX_ASSET_BYTES
     if size > limit:
         raise _refused(f"{path.name} is longer than {limit >> 20} MB", where)
     if text:
@@ -189,7 +189,9 @@ def _require_bounded(document: ModelDocument) -> None:
     """Raises SourceError if few bytes of the model would grow to a huge model."""
     name = document.path.name
     if document.language == "mjcf":
-        mjcf_bounds.require(document.path, [document.path, *sorted(set(document.included.values()))])
+        mjcf_bounds.require_within_limits(
+            document.path, [document.path, *sorted(set(document.included.values()))]
+        )
     if sum(1 for _ in document.root.iter()) > MAX_ELEMENTS:
         raise _refused(f"it has more than {MAX_ELEMENTS} elements", name)
     _require_names(document.root.iter(), name)
@@ -197,8 +199,8 @@ def _require_bounded(document: ModelDocument) -> None:
 
 def _require_names(elements: Iterable, where: str) -> None:  # type: ignore[type-arg]
     for element in elements:
-        if len(element.get("name", "")) > mjcf_bounds.MAX_LETTERS:
-            message = f"the name of a <{tag(element)}> has more than {mjcf_bounds.MAX_LETTERS} letters"
+        if len(element.get("name", "")) > mjcf_bounds.MAX_NAME_LENGTH:
+            message = f"the name of a <{tag(element)}> has more than {mjcf_bounds.MAX_NAME_LENGTH} letters"
             raise _refused(message, where)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from linkwright.stages.formats.mjcf.bounds import LARGEST_TEXT
+from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.formats.own_xml import name_of
 from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 from linkwright.stages.mujoco.includes import resolve
@@ -65,7 +65,7 @@ class ModelDocument:
 def read(path: Path) -> ModelDocument | None:
     """Reads the document in a file; None if the file is not XML (see `broken_text`)."""
     try:
-        root = parse(content(path, LARGEST_TEXT))
+        root = parse(content(path, MAX_XML_BYTES))
     except Malformed:
         return None
     included: dict[Element, Path] = {}
@@ -77,7 +77,7 @@ def read(path: Path) -> ModelDocument | None:
 def broken_text(path: Path) -> Finding | None:
     """Returns the finding that says why a file is not XML; None if it is XML."""
     try:
-        parse(content(path, LARGEST_TEXT))
+        parse(content(path, MAX_XML_BYTES))
     except Malformed as error:
         return Finding("XML", "", error.place)
     return None
@@ -138,9 +138,9 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
             return refused(node, f"is included already {line}")
         visited.add(place.resolve())
         try:
-            other = parse(content(place, LARGEST_TEXT))
+            other = parse(content(place, MAX_XML_BYTES))
         except FileTooLarge:
-            return refused(node, f"is longer than {LARGEST_TEXT >> 20} MB")
+            return refused(node, f"is longer than {MAX_XML_BYTES >> 20} MB")
         except Malformed as error:
             return refused(node, f"is no XML: {error.place}")
         included.update(dict.fromkeys(other.iter(), place))

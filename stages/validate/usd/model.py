@@ -45,7 +45,7 @@ def rooted(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
     at each link on a free joint that carries a joint."""
     carries = {joint.parent for joint in robot.joints if joint.type != "free"}
     free = [joint.child for joint in robot.joints if joint.type == "free" and joint.child in carries]
-    expected = {names.base} if robot.base.fixed else {names.links[robot.root.name]}
+    expected = {names.base_joint} if robot.base.fixed else {names.links[robot.root.name]}
     expected |= {names.links[link] for link in free}
     for name in sorted(expected - usd.roots.keys()):
         message = "begins no articulation, expected PhysicsArticulationRootAPI"
@@ -65,14 +65,14 @@ def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) ->
     yield from pose_findings(
         named("def", body), usd.bodies[body].world_from_body, place, attributes, PLACE_TOLERANCE
     )
-    if robot.base.fixed and names.base in usd.joints:
-        joint = usd.joints[names.base]
+    if robot.base.fixed and names.base_joint in usd.joints:
+        joint = usd.joints[names.base_joint]
         if joint.place != usd.path:
-            yield differs(named("def", names.base), "physics:body0", joint.place or "none", usd.path)
+            yield differs(named("def", names.base_joint), "physics:body0", joint.place or "none", usd.path)
         world_from_root = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
         attributes = ("physics:localPos0", "physics:localRot0")
         yield from pose_findings(
-            named("def", names.base), world_from_root, place, attributes, FRAME_TOLERANCE
+            named("def", names.base_joint), world_from_root, place, attributes, FRAME_TOLERANCE
         )
 
 

@@ -101,7 +101,7 @@ MANY = "9" * 400
 def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, said):
     path = written(tmp_path, text)
     with pytest.raises(SourceError) as caught:
-        mjcf_bounds.require(path, [path])
+        mjcf_bounds.require_within_limits(path, [path])
     assert said in caught.value.message
 
 
@@ -120,7 +120,7 @@ def test_a_robot_within_bounds_is_let_through(tmp_path):
         "<mujoco>",
     ):
         path = written(tmp_path, text)
-        mjcf_bounds.require(path, [path])
+        mjcf_bounds.require_within_limits(path, [path])
 
 
 def test_bounds_take_time_in_proportion(tmp_path):
@@ -129,7 +129,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 
     def counted(count):
         path = written(tmp_path, model("<body><geom/></body>" * count))
-        return lines_run(lambda: mjcf_bounds.require(path, [path]))
+        return lines_run(lambda: mjcf_bounds.require_within_limits(path, [path]))
 
     before, after = counted(200), counted(800)
     assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5

@@ -204,7 +204,7 @@ def test_what_no_check_reads_may_be_anything(tmp_path):
 @pytest.mark.parametrize(
     ("key", "most", "text", "words"),
     [
-        ("LARGEST_TEXT", 10, "<mujoco><worldbody/></mujoco>", "longer than"),
+        ("MAX_XML_BYTES", 10, "<mujoco><worldbody/></mujoco>", "longer than"),
         ("MAX_MARKS", 3, "<mujoco><worldbody/></mujoco>" + "<!-- -->" * 3, "elements or tables"),
         ("MAX_ELEMENTS", 1, "<mujoco><worldbody/></mujoco>", "more than 1 elements"),
         ("MAX_TOTAL_BYTES", 10, "<mujoco><worldbody/></mujoco>", "more than"),

@@ -75,7 +75,7 @@ def check(request: str, body: bytes) -> None:
         accepted(request, body)
         return
     if path.startswith("/elements/") and path.endswith("/configuration"):
-        configuration.read(body)
+        configuration.read_parameters(body)
         return
     if is_features(request) or path.startswith("/variables/"):
         features.check(body, describe(request), tables=not is_features(request))

@@ -134,7 +134,7 @@ def _pose_errors(computed: Mapping[str, Array], expected: Mapping[str, Array]) -
 def _specks(robot: Robot, expected: Moving) -> float:
     """Returns the inertia [kg m²] that the links which only a URDF has may add to an entry of the mass
     matrix. Links between the dofs of a joint, frames and both sides of loops have `SPECK` each."""
-    between = sum(len(names) for names in urdf_names(robot).between.values())
+    between = sum(len(names) for names in urdf_names(robot).links_between.values())
     number = between + len(robot.frames) + 2 * len(robot.loops)
     reach = max(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.poses.values())
     return number * (float(SPECK.inertia.max()) + SPECK.mass * (1.0 + 3.0 * (2.0 * reach) ** 2))

@@ -8,7 +8,7 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.run.build import build
 from linkwright.stages.fetch.bundle.archive import pack
 from linkwright.stages.fetch.onshape import configuration
-from linkwright.stages.fetch.onshape.configuration import encode
+from linkwright.stages.fetch.onshape.configuration import encode_settings
 from linkwright.stages.formats.onshape_configuration import decoded, encoded, joined, split
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError
@@ -29,7 +29,7 @@ EVERY = [LEG, GRIPPER, MIRRORED, LABEL, COUNT, RATIO, TILT, FORCE, *TWINS]
 
 
 def parameters(which=EVERY):
-    return configuration.read(json.dumps(settings.reply(which, "0" * 24)).encode())
+    return configuration.read_parameters(json.dumps(settings.reply(which, "0" * 24)).encode())
 
 
 def weights(made):
@@ -65,13 +65,13 @@ def weights(made):
     ],
 )
 def test_values_become_onshapes_text_in_the_documents_order(wanted, text):
-    assert encode("default", wanted, parameters()) == text
+    assert encode_settings("default", wanted, parameters()) == text
     assert all(decoded(encoded(value)) == value for value in map(str, wanted.values()))
 
 
 def test_the_address_is_the_base_and_is_kept_word_for_word():
     base = "unknown=a%2Bb;List_g=_narrow;leg_length=0.2+meter"
-    text = encode(base, {"Gripper": "wide grip"}, parameters())
+    text = encode_settings(base, {"Gripper": "wide grip"}, parameters())
     assert text == "leg_length=0.2+meter;List_g=Wide_1;unknown=a%2Bb"
     assert joined(split(base)) == base
 
@@ -102,7 +102,7 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
 )
 def test_values_that_a_parameter_cannot_have_are_reported(wanted, words):
     with pytest.raises(SourceError) as caught:
-        encode("default", wanted, parameters())
+        encode_settings("default", wanted, parameters())
     (problem,) = caught.value.problems
     assert words[0] in problem.message
     assert words[1] in problem.hint
@@ -127,14 +127,14 @@ def test_old_envelopes_and_kinds_that_are_not_known_are_read():
     ]
     new = {"btType": "BTMConfigurationParameterHologram-1", "parameterId": "holo"}
     body = json.dumps({"configurationParameters": [*old, new]}).encode()
-    kinds = {parameter.id: parameter.kind for parameter in configuration.read(body)}
+    kinds = {parameter.id: parameter.kind for parameter in configuration.read_parameters(body)}
     assert kinds == {"leg_length": "Quantity", "List_g": "Enum", "holo": "String"}
 
 
 @pytest.mark.parametrize("body", [b"{", b"[]", b"{}", b'{"configurationParameters": [{}]}'])
 def test_a_reply_that_is_no_list_of_parameters_is_refused(body):
     with pytest.raises(ProtocolError):
-        configuration.read(body)
+        configuration.read_parameters(body)
 
 
 def test_a_configuration_costs_one_call_at_first(kept):
