@@ -11,7 +11,12 @@ from linkwright.stages.export.provenance import provenance
 from linkwright.stages.export.urdf.lowering import lower, unset_limits
 from linkwright.stages.formats.robot_json import FORMAT, VERSION
 from linkwright.stages.formats.robot_json.codec import write
-from linkwright.stages.formats.robot_json.files import HeldRecord, LoweredRecord, OrderRecord, UrdfRecord
+from linkwright.stages.formats.robot_json.files import (
+    LoweredJointRecord,
+    MergedLinkRecord,
+    OrderRecord,
+    UrdfPackageRecord,
+)
 from linkwright.stages.formats.robot_json.joints import (
     BallZeroRecord,
     DofRecord,
@@ -54,12 +59,12 @@ def describe(
         loops=[_loop(written, loop, estimated) for loop in robot.loops],
         frames=[FrameRecord.from_model(frame, urdf=frames[frame.name]) for frame in robot.frames],
         lowered=[
-            LoweredRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.between)
+            LoweredJointRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.between)
             for item in lower(robot)
             if item.between
         ],
         couplings=written.urdf_form.couplings,
-        urdf=UrdfRecord(package) if package else None,
+        urdf=UrdfPackageRecord(package) if package else None,
         merged=_merged_links(written.as_urdf),
         fused=_merged_links(written.as_mjcf),
         mjcf=written.mjcf_form.extras,
@@ -114,11 +119,13 @@ def _loop(written: Written, loop: Loop, estimated: Collection[str]) -> LoopRecor
     return LoopRecord.from_model(loop, urdf=ends, mimic=loop.name in closed, dofs=dofs)
 
 
-def _merged_links(view: FormatView) -> tuple[HeldRecord, ...]:
+def _merged_links(view: FormatView) -> tuple[MergedLinkRecord, ...]:
     """Returns the links that a format merges into others."""
     holders = ((link, *holder) for link, holder in view.held.items())
     return tuple(
-        HeldRecord(link, into, PoseRecord.from_model(pose)) for link, into, pose in holders if into != link
+        MergedLinkRecord(link, into, PoseRecord.from_model(pose))
+        for link, into, pose in holders
+        if into != link
     )
 
 

@@ -9,23 +9,25 @@ from linkwright.stages.robot.quantity_keys import Position
 from linkwright.stages.robot.section import NonNegative, Number, Positive, Section, Text, example, invalid
 
 
-def _of_a_solid(values: tuple[float, ...]) -> tuple[float, ...]:
-    # Late: they import numpy, and most configurations give no mass.
+def _require_physical_inertia(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Returns the values; raises an error of validation unless a solid can have this inertia."""
+    # Imported late, since this loads numpy, and most configurations set no inertia.
     from linkwright.stages.robot.dynamics.inertia import SPECK, is_physical, tensor
 
     if len(values) not in (3, 6):
         raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")
+    # The mass does not matter here.
     if not is_physical(replace(SPECK, mass=1.0, inertia=tensor(values))):
-        raise invalid("must be what a solid can have: positive moments, none above the sum of the other two")
+        raise invalid("must be the inertia of a solid: positive moments, none above the sum of the other two")
     return values
 
 
-Inertia = Annotated[tuple[Number, ...], AfterValidator(_of_a_solid)]
+Inertia = Annotated[tuple[Number, ...], AfterValidator(_require_physical_inertia)]
 """[ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz] [kg m²], products with true signs (−∫xy dm)."""
 
 
 class PartMassSection(Section):
-    """Mass properties of the parts that a glob matches. Keys left out or null keep CAD's value."""
+    """Mass properties of the parts that a glob matches. Values that are missing or null are those of CAD."""
 
     mass: Annotated[NonNegative | None, example(0.12)] = None
     """Mass [kg]; the inertia is scaled with it. 0: the part has no mass and no inertia."""
@@ -41,14 +43,15 @@ class PartMassSection(Section):
     and ixy, ixz, iyz."""
 
     @model_validator(mode="after")
-    def _one_mass(self) -> Self:
+    def _require_single_mass(self) -> Self:
         if self.mass is not None and self.density is not None:
             raise invalid("must have a mass or a density, not both")
         return self
 
 
 class LinkMassSection(Section):
-    """Mass properties of the links that a glob matches. Keys left out or null: the sum of the parts."""
+    """Mass properties of the links that a glob matches. Values that are missing or null follow from the
+    parts."""
 
     mass: Annotated[Positive | None, example(0.2)] = None
     """Mass [kg]; the inertia is scaled with it."""

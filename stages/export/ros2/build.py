@@ -23,7 +23,7 @@ from linkwright.stages.export.ros2.trajectories import trajectories_of
 from linkwright.stages.export.ros2.xacro_files import control_macro, entry, macro
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 from linkwright.stages.formats.numbers import number
-from linkwright.stages.formats.robot_json.files import PackageRecord, RenamedRecord
+from linkwright.stages.formats.robot_json.files import NameChangesRecord, PackageRecord
 from linkwright.stages.formats.xml import to_bytes
 from linkwright.stages.robot.text.names import free
 
@@ -58,7 +58,7 @@ def write(inputs: WriterInput) -> FormatFiles:
     case = Case("ros2", inputs.written, robot, folder, Ros2Plan(description, control, bool(moveit_files)))
     files = {f"{folder}/{path}": data for path, data in _files(inputs, package, description, controller_plan)}
     files |= moveit_files
-    record = PackageRecord(package, VERSION, renamed=RenamedRecord.from_model(description.names))
+    record = PackageRecord(package, VERSION, renamed=NameChangesRecord.from_model(description.names))
     return FormatFiles(files, (case,), record={"ros2": record})
 
 

@@ -6,7 +6,7 @@ from linkwright.stages.export.sdf.model import SdfPlan, write_config, write_sdf
 from linkwright.stages.export.sdf.section import SdfFormatSection
 from linkwright.stages.export.sdf.sensors import sensors_of
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
-from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedRecord
+from linkwright.stages.formats.robot_json.files import FormatRecord, NameChangesRecord
 from linkwright.stages.formats.robot_json.values import as_value
 from linkwright.stages.formats.sdf.names import sdf_names
 
@@ -27,7 +27,7 @@ def write(inputs: WriterInput) -> FormatFiles:
 def _record(plan: SdfPlan) -> FormatRecord:
     """Returns the entry of the SDF in robot.json."""
     zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
-    return FormatRecord(RenamedRecord.from_model(plan.names), zeros)
+    return FormatRecord(NameChangesRecord.from_model(plan.names), zeros)
 
 
 def _plan(inputs: WriterInput) -> SdfPlan:

@@ -6,7 +6,7 @@ from linkwright.stages.export.usd.model import UsdPlan, write_usd
 from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.export.usd.shapes import meshes_layer
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
-from linkwright.stages.formats.robot_json.files import FormatRecord, RenamedRecord
+from linkwright.stages.formats.robot_json.files import FormatRecord, NameChangesRecord
 from linkwright.stages.formats.usd.drives import drives_of
 from linkwright.stages.formats.usd.names import usd_names
 from linkwright.stages.formats.usd.zeros import ball_zeros
@@ -48,7 +48,7 @@ def _picture(task: WriterInput) -> bytes | str:
 
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
     """Returns the entry of the USD in `robot.json`: names and zeros that differ from the robot's."""
-    renamed = RenamedRecord.from_model(plan.names) if any(plan.names.changes) else None
+    renamed = NameChangesRecord.from_model(plan.names) if any(plan.names.changes) else None
     record = FormatRecord(renamed, plan.zeros or None)
     return {} if record == FormatRecord() else {"usd": record}
 

@@ -8,7 +8,7 @@ from linkwright.stages.export.variants.arrays import VariedFields
 from linkwright.stages.export.variants.quantities import quantities
 from linkwright.stages.export.variants.shares import SHARE_BY_ORIGIN, shares_of
 from linkwright.stages.export.variants.variant_files import NO_VARIANTS, VariantFiles
-from linkwright.stages.formats.robot_json.files import VariantsRecord, VariedRecord
+from linkwright.stages.formats.robot_json.files import VariantsRecord, VariedQuantityRecord
 from linkwright.stages.formats.variants import Variants, digest_of
 from linkwright.stages.formats.written import Written
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
@@ -57,7 +57,9 @@ def make_variants(written: Written, sections: "ExportSections", files: Mapping[s
     variants = Variants(
         request.seed, digest_of(mjcf), names_in(model), model.geom_bodyid, places(model), fields.arrays()
     )
-    rows = tuple(VariedRecord(quantity.key, quantity.origin, shares[quantity.key]) for quantity in varied)
+    rows = tuple(
+        VariedQuantityRecord(quantity.key, quantity.origin, shares[quantity.key]) for quantity in varied
+    )
     record = VariantsRecord(VARIANTS, request.n, request.seed, tuple(variants.fields), rows)
     diagnostics = (*log.found, *_unvaried_bodies(fields))
     return VariantFiles({VARIANTS: variants.to_bytes()}, {"variants": record}, diagnostics, _summary(record))

@@ -1,6 +1,6 @@
-"""Writes GLB files (binary glTF 2) that show a link: a mesh, with a part for each colour or image.
+"""Writes GLB files (binary glTF 2) that show a link: a mesh, with a primitive for each piece of the link.
 
-Lengths are in metres; the same surfaces always give the same bytes. Images are in the file.
+Lengths are in metres; the same pieces always give the same bytes. Images are in the file.
 """
 
 import struct
@@ -19,32 +19,35 @@ from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.robot.model.geometry import Colour
 
 ROUGHNESS, METALLIC = 0.5, 0.0
-"""The roughness and the metallic factor of every surface: CAD's appearances have neither. Metal is black in a
-reader without surroundings to reflect."""
+"""The roughness and the metallic factor of every piece, since CAD's appearances have neither. Metal would be
+black in a viewer without surroundings to reflect."""
 
-Up = Literal["z", "y"]
-"""The axis of the scene that is the z axis of the link. z: the scene's frame is the link's; y: as in glTF's
-standard, by a turn of the only node."""
+UpAxis = Literal["z", "y"]
+"""The axis of the scene along which the link's z axis points. z: the scene's frame is the link's; y: as in
+glTF's standard, by a turn of the only node."""
 
-_JSON, _BIN = 0x4E4F534A, 0x004E4942
+_JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 """The types of a GLB's chunks."""
 
-_FLOAT, _SHORT, _INT = 5126, 5123, 5125
-"""glTF's codes of the types of numbers."""
+_HEADER_SIZE = 12
+"""Size of a GLB's header [bytes]."""
 
-_POINTS, _INDICES = 34962, 34963
-"""glTF's codes of the uses of a buffer."""
+_FLOAT_TYPE, _SHORT_TYPE, _INT_TYPE = 5126, 5123, 5125
+"""glTF's codes of the types of numbers: float32, uint16 and uint32."""
 
-_MAX_SHORT = 0xFFFF
-"""Largest number of points of a mesh whose indices have 16 bits: the last index ends a strip."""
+_VERTEX_TARGET, _INDEX_TARGET = 34962, 34963
+"""glTF's codes of the uses of a buffer view."""
 
-_TO_Y_UP = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
-"""A quarter turn about x, as x, y, z, w."""
+_MAX_SHORT_VERTICES = 0xFFFF
+"""Largest number of vertices whose indices have 16 bits: the index 0xFFFF itself is reserved."""
+
+_Y_UP_FROM_Z_UP = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
+"""The turn by −90° about x, as a quaternion (x, y, z, w)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
-    """A surface of a single colour."""
+    """A surface of a single colour or image."""
 
     surface: Surface
     colour: Colour
@@ -52,14 +55,14 @@ class Piece:
     """A PNG whose colours are multiplied by `colour`; b"" without an image."""
 
 
-def write(pieces: Sequence[Piece], up: Up = "z") -> bytes:
-    """Returns the file of the pieces, in the frame of their link."""
-    return _GlbFile().written(pieces, up)
+def write(pieces: Sequence[Piece], up_axis: UpAxis = "z") -> bytes:
+    """Returns the content of a GLB file with the pieces of a link."""
+    return _GlbFile().content(pieces, up_axis)
 
 
-def coloured(data: bytes) -> list[tuple[npt.NDArray[np.float64], Colour]]:
-    """Returns the corners (m, 3, 3) of the triangles of each colour in a glTF file, without images. Raises
-    ProtocolError if the file is malformed."""
+def coloured_triangles(data: bytes) -> list[tuple[npt.NDArray[np.float64], Colour]]:
+    """Returns (corners (m, 3, 3) of triangles, their colour) for each colour of each node in a glTF file;
+    images are not read. Raises ProtocolError if the file is malformed."""
     return [
         (node.points[node.corners[node.which == index]], colour)
         for node in gltf.read(data)
@@ -68,22 +71,24 @@ def coloured(data: bytes) -> list[tuple[npt.NDArray[np.float64], Colour]]:
 
 
 class _GlbFile:
-    """The tables of a file while it is written, and its bytes."""
+    """The arrays of a file while it is written, and the content of its buffer."""
 
     def __init__(self) -> None:
-        self._bytes: list[bytes] = []
+        self._buffer: list[bytes] = []
         self._views: list[dict[str, Any]] = []
         self._accessors: list[dict[str, Any]] = []
         self._materials: list[dict[str, Any]] = []
         self._images: list[bytes] = []
-        self._views_of_images: list[int] = []
+        self._image_views: list[int] = []
+        """The index of the buffer view of each image."""
 
-    def written(self, pieces: Sequence[Piece], up: Up) -> bytes:
+    def content(self, pieces: Sequence[Piece], up_axis: UpAxis) -> bytes:
+        """Returns the content of the file."""
         primitives = [self._primitive(piece) for piece in pieces]
-        node = {"name": "visual", "mesh": 0, **({"rotation": _TO_Y_UP} if up == "y" else {})}
-        images = [{"bufferView": view, "mimeType": "image/png"} for view in self._views_of_images]
-        content = b"".join(self._bytes)
-        table = {
+        node = {"name": "visual", "mesh": 0, **({"rotation": _Y_UP_FROM_Z_UP} if up_axis == "y" else {})}
+        images = [{"bufferView": view, "mimeType": "image/png"} for view in self._image_views]
+        buffer = b"".join(self._buffer)
+        document = {
             "asset": {"version": "2.0", "generator": GENERATOR},
             "scene": 0,
             "scenes": [{"nodes": [0]}],
@@ -94,63 +99,64 @@ class _GlbFile:
             "images": images,
             "accessors": self._accessors,
             "bufferViews": self._views,
-            "buffers": [{"byteLength": len(content)}],
+            "buffers": [{"byteLength": len(buffer)}],
         }
-        # Empty lists are against the standard.
-        text = orjson.dumps({key: value for key, value in table.items() if value})
+        # The standard forbids empty lists.
+        text = orjson.dumps({key: value for key, value in document.items() if value})
+        # Chunks end at a multiple of four bytes.
         text += b" " * (-len(text) % 4)
-        length = 12 + 8 + len(text) + 8 + len(content)
-        head = b"glTF" + struct.pack("<II", 2, length)
-        return b"".join(
-            [
-                head,
-                struct.pack("<II", len(text), _JSON),
-                text,
-                struct.pack("<II", len(content), _BIN),
-                content,
-            ]
-        )
+        chunks = _chunk(_JSON_CHUNK, text) + _chunk(_BINARY_CHUNK, buffer)
+        return b"glTF" + struct.pack("<II", 2, _HEADER_SIZE + len(chunks)) + chunks
 
     def _primitive(self, piece: Piece) -> dict[str, Any]:
         surface = piece.surface
-        which, normals = corner_normals(surface)
-        corner, places, texcoords = _vertices(which, surface.texcoords if piece.image else None)
+        normal_indices, normals = corner_normals(surface)
+        first_corners, corner_vertices, texcoords = _merge_corners(
+            normal_indices, surface.texcoords if piece.image else None
+        )
+        points = surface.vertices[surface.triangles.ravel()[first_corners]]
         attributes = {
-            "POSITION": self._numbers(surface.vertices[surface.triangles.ravel()[corner]], bounded=True),
-            "NORMAL": self._numbers(normals[which.ravel()[corner]]),
+            "POSITION": self._add_vectors(points, with_bounds=True),
+            "NORMAL": self._add_vectors(normals[normal_indices.ravel()[first_corners]]),
         }
         if texcoords is not None:
-            attributes["TEXCOORD_0"] = self._numbers(texcoords)
+            attributes["TEXCOORD_0"] = self._add_vectors(texcoords)
         return {
             "attributes": attributes,
-            "indices": self._indices(places, len(corner)),
-            "material": self._material(piece),
+            "indices": self._add_indices(corner_vertices, len(first_corners)),
+            "material": self._material_index(piece),
         }
 
-    def _numbers(self, numbers: npt.NDArray[Any], *, bounded: bool = False) -> int:
-        """Adds an accessor of vectors; `bounded`: with their smallest and largest values."""
-        rows = np.ascontiguousarray(numbers.astype("<f4") + np.float32(0.0))
-        record = {"componentType": _FLOAT, "count": len(rows), "type": f"VEC{rows.shape[1]}"}
-        if bounded:
+    def _add_vectors(self, vectors: npt.NDArray[Any], *, with_bounds: bool = False) -> int:
+        """Adds an accessor of vectors (n, 2) or (n, 3), and returns its index. `with_bounds`: the accessor
+        has their smallest and largest entries, which glTF requires of points."""
+        # + 0 makes −0 a 0.
+        rows = np.ascontiguousarray(vectors.astype("<f4") + np.float32(0.0))
+        record = {"componentType": _FLOAT_TYPE, "count": len(rows), "type": f"VEC{rows.shape[1]}"}
+        if with_bounds:
             record |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
-        return self._accessor(record, rows.tobytes(), _POINTS)
+        return self._add_accessor(record, rows.tobytes(), _VERTEX_TARGET)
 
-    def _indices(self, places: npt.NDArray[np.int64], count: int) -> int:
-        kind, dtype = (_SHORT, "<u2") if count <= _MAX_SHORT else (_INT, "<u4")
-        record = {"componentType": kind, "count": places.size, "type": "SCALAR"}
-        return self._accessor(record, places.astype(dtype).tobytes(), _INDICES)
+    def _add_indices(self, indices: npt.NDArray[np.int64], vertex_count: int) -> int:
+        """Adds an accessor of indices into the vertices, and returns its own index."""
+        is_short = vertex_count <= _MAX_SHORT_VERTICES
+        number_type, dtype = (_SHORT_TYPE, "<u2") if is_short else (_INT_TYPE, "<u4")
+        record = {"componentType": number_type, "count": indices.size, "type": "SCALAR"}
+        return self._add_accessor(record, indices.astype(dtype).tobytes(), _INDEX_TARGET)
 
-    def _accessor(self, record: dict[str, Any], data: bytes, target: int) -> int:
-        self._accessors.append({"bufferView": self._view(data, target=target), **record})
+    def _add_accessor(self, record: dict[str, Any], data: bytes, target: int) -> int:
+        self._accessors.append({"bufferView": self._add_view(data, target=target), **record})
         return len(self._accessors) - 1
 
-    def _view(self, data: bytes, **more: int) -> int:
-        start = sum(map(len, self._bytes))
-        self._bytes.append(data + bytes(-len(data) % 4))
-        self._views.append({"buffer": 0, "byteOffset": start, "byteLength": len(data), **more})
+    def _add_view(self, data: bytes, **more: int) -> int:
+        """Adds data to the buffer, and returns the index of its view. `more`: other keys of the view."""
+        offset = sum(map(len, self._buffer))
+        self._buffer.append(data + bytes(-len(data) % 4))
+        self._views.append({"buffer": 0, "byteOffset": offset, "byteLength": len(data), **more})
         return len(self._views) - 1
 
-    def _material(self, piece: Piece) -> int:
+    def _material_index(self, piece: Piece) -> int:
+        """Returns the index of a piece's material, which is added if no earlier piece has the same."""
         *rgb, alpha = piece.colour
         look: dict[str, Any] = {
             "baseColorFactor": [*map(linear, rgb), alpha],
@@ -158,42 +164,50 @@ class _GlbFile:
             "roughnessFactor": ROUGHNESS,
         }
         if piece.image:
-            look["baseColorTexture"] = {"index": self._image(piece.image)}
+            look["baseColorTexture"] = {"index": self._image_index(piece.image)}
         record = {
             "pbrMetallicRoughness": look,
             **({"alphaMode": "BLEND"} if alpha < 1.0 else {}),
-            # What is open is seen from behind.
+            # Triangles of an open surface can be seen from behind.
             **({} if piece.surface.closed() else {"doubleSided": True}),
         }
         if record not in self._materials:
             self._materials.append(record)
         return self._materials.index(record)
 
-    def _image(self, image: bytes) -> int:
+    def _image_index(self, image: bytes) -> int:
+        """Returns the index of an image, which is added if the file does not have it yet."""
         if image not in self._images:
             self._images.append(image)
-            self._views_of_images.append(self._view(image))
+            self._image_views.append(self._add_view(image))
         return self._images.index(image)
 
 
-def _vertices(
-    which: npt.NDArray[np.int64], texcoords: npt.NDArray[np.float32] | None
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
-    """Merges corners with the same normal and (u, v) into vertices.
+def _chunk(kind: int, content: bytes) -> bytes:
+    return struct.pack("<II", len(content), kind) + content
 
-    Returns the first corner of each vertex (n,), the vertex of every corner (3 m,), and the (u, v) (n, 2) of
-    the vertices from the upper left corner of the image.
+
+def _merge_corners(
+    normal_indices: npt.NDArray[np.int64], texcoords: npt.NDArray[np.float32] | None
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
+    """Merges corners of triangles with the same normal and (u, v) into vertices. Corners with the same normal
+    are at the same point.
+
+    `normal_indices`: the index of each corner's normal (m, 3); `texcoords`: each corner's (u, v) (m, 3, 2).
+    Returns the first corner of each vertex (n,), the vertex of each corner (3 m,), and the vertices' (u, v)
+    (n, 2), counted from the upper left corner of the image. Vertices are in the order of their first corners.
     """
     if texcoords is None:
-        # Normals are in the order of their first corners.
-        _, first = np.unique(which, return_index=True)
-        return first, which.ravel(), None
-    keys = np.concatenate([which.reshape(-1, 1), texcoords.reshape(-1, 2)], axis=1)
-    _, first, place = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
+        # Normals are in that order already.
+        _, first_corners = np.unique(normal_indices, return_index=True)
+        return first_corners, normal_indices.ravel(), None
+    keys = np.concatenate([normal_indices.reshape(-1, 1), texcoords.reshape(-1, 2)], axis=1)
+    _, first_corners, key_indices = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    # `np.unique` sorts by key.
+    order = np.argsort(first_corners)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
-    first, places = first[order], rank[place.ravel()]
-    # An image of glTF begins at its upper left corner, a Surface's at its lower left.
-    u, v = texcoords.reshape(-1, 2)[first].T
-    return first, places, np.stack([u, 1 - v], axis=1)
+    first_corners, corner_vertices = first_corners[order], rank[key_indices.ravel()]
+    # In glTF v is measured from the top of the image, in a Surface from the bottom.
+    u, v = texcoords.reshape(-1, 2)[first_corners].T
+    return first_corners, corner_vertices, np.stack([u, 1 - v], axis=1)

@@ -1,4 +1,5 @@
-"""Defines the tables of robot.json about the robot's other files: their order, names and packages."""
+"""Defines the tables of robot.json about the other files: their names, the order of their elements,
+packages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,11 +11,11 @@ from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
 @dataclass(frozen=True)
-class LoweredRecord(JsonRecord[None]):
+class LoweredJointRecord(JsonRecord[None]):
     """A joint of the robot that is several joints in the URDF.
 
-    joint: the joint.
-    joints: the joints that represent it, from parent to child.
+    joint: the joint of the robot.
+    joints: the joints of the URDF that represent it, from parent to child.
     links: the links between them.
     """
 
@@ -25,13 +26,14 @@ class LoweredRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class CouplingRecord(JsonRecord[LinearCoupling]):
-    """A degree of freedom that closed loops make follow another: follower = multiplier · driver + offset.
+    """A degree of freedom that follows another because of closed loops: follower = multiplier · driver +
+    offset.
 
     follower: the degree of freedom that follows.
-    driver: the degree of freedom that is followed.
-    multiplier: factor of the driver's value.
-    offset: the value that is added [rad or m].
-    range: the driver's values between which the coupling was measured [rad or m].
+    driver: the degree of freedom that it follows.
+    multiplier: the factor of the driver's value.
+    offset: the value that is added to the product [rad or m].
+    range: the smallest and the largest value of the driver for which the coupling was measured [rad or m].
     error: the largest error of the follower while the driver is in the range [rad or m].
     mimic: whether the coupling is exact, and therefore in the URDF.
     """
@@ -46,14 +48,12 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
 
     @classmethod
     def from_model(cls, value: LinearCoupling, **more: Any) -> "CouplingRecord":
-        """Returns the record of a coupling: an exact coupling has the numbers of its <mimic>, others rounded
-        ones."""
-        numbers = (
-            {}
-            if value.exact
-            else {key: short(getattr(value, key)) for key in ("multiplier", "offset", "error")}
-        )
-        return super().from_model(value, range=(value.low, value.high), **{"error": 0.0, **numbers})
+        """Returns the record of a coupling. The numbers of an exact coupling are those of its <mimic>; other
+        couplings have rounded numbers."""
+        numbers = {"error": 0.0}
+        if not value.exact:
+            numbers = {key: short(getattr(value, key)) for key in ("multiplier", "offset", "error")}
+        return super().from_model(value, range=(value.low, value.high), **numbers)
 
     def to_model(self, **more: Any) -> LinearCoupling:
         low, high = self.range
@@ -61,11 +61,11 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
 
 
 @dataclass(frozen=True)
-class HeldRecord(JsonRecord[None]):
+class MergedLinkRecord(JsonRecord[None]):
     """A link that is merged into another link in a format.
 
-    link: the link.
-    into: the link that contains it.
+    link: the merged link.
+    into: the link that contains it in the format.
     pose: its pose in that link.
     """
 
@@ -75,10 +75,10 @@ class HeldRecord(JsonRecord[None]):
 
 
 @dataclass(frozen=True)
-class UrdfRecord(JsonRecord[None]):
-    """How the URDF names its meshes.
+class UrdfPackageRecord(JsonRecord[None]):
+    """The package in the URDF's paths of meshes.
 
-    package: the package that contains the meshes.
+    package: the name of the package.
     """
 
     package: str
@@ -91,8 +91,8 @@ class MjcfJointRow(JsonRecord[None]):
     name: the name; null without a name.
     kind: the kind of its degree of freedom.
     unit: the unit of its numbers in `qpos`.
-    qpos: the index of its first number in MuJoCo's array, and the number of its numbers.
-    dof: the index of its first number in MuJoCo's array `qvel`, and the number of its numbers.
+    qpos: the index of its first number in MuJoCo's array `qpos`, and how many numbers it has there.
+    dof: the index of its first number in MuJoCo's array `qvel`, and how many numbers it has there.
     urdf: the joints of the URDF that represent it, from parent to child.
     cad: the name of its mate in CAD; null without a mate.
     """
@@ -111,9 +111,9 @@ class MjcfActuatorRow(JsonRecord[None]):
     """An actuator of the MJCF.
 
     name: the name; null without a name.
-    ctrl: the index of its first number in MuJoCo's array, and the number of its numbers.
-    type: its tag.
-    joint: the joint that it drives; null without a joint.
+    ctrl: the index of its first number in MuJoCo's array `ctrl`, and how many numbers it has there.
+    type: the tag of its element.
+    joint: the joint that it drives; null if it drives no joint.
     unit: the unit of its control; null if it is unknown.
     range: the range of its control; null if it has no range, or the file does not compile.
     cad: the name of the joint's mate in CAD; null without a mate.
@@ -134,10 +134,10 @@ class MjcfSensorRow(JsonRecord[None]):
 
     name: the name; null without a name.
     index: its index among the sensors.
-    type: its tag.
-    on: the element that it measures; null without an element.
-    address: the index of its first number in `sensordata`; null after a sensor with an unknown number of
-        values.
+    type: the tag of its element.
+    on: the element that it measures; null if it measures no element.
+    address: the index of its first number in MuJoCo's array `sensordata`; null if an earlier sensor has an
+        unknown number of values.
     dim: the number of its values; null if it is unknown.
     unit: the unit of its numbers; null if it is unknown.
     cad: the name of the mate of its joint in CAD; null without a mate.
@@ -155,11 +155,11 @@ class MjcfSensorRow(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class MjcfOrderRecord(JsonRecord[None]):
-    """Elements of the MJCF, in its order.
+    """Elements of the MJCF in the order of the file.
 
-    joints: the joints of the robot, and the joints of the user's own XML.
-    actuators: the actuators of the robot, and the actuators of the user's own XML.
-    sensors: the sensors of the robot, and the sensors of the user's own XML.
+    joints: the joints of the robot and of the user's own XML.
+    actuators: the actuators of the robot and of the user's own XML.
+    sensors: the sensors of the robot and of the user's own XML.
     """
 
     joints: tuple[MjcfJointRow, ...]
@@ -172,10 +172,10 @@ class UrdfJointRow(JsonRecord[None]):
     """A joint of the URDF that moves.
 
     name: its name.
-    index: its index among the moving joints of the file.
+    index: its index among the moving joints, in the order of the file.
     tree: its index among the moving joints in a walk down the tree, depth first and siblings by name, as in
         Pinocchio; null if the walk does not reach it.
-    type: the type in the URDF.
+    type: its type in the URDF.
     unit: the unit of its value.
     follows: the joint that it mimics; null without a mimic.
     dof: the robot's degree of freedom; null if it has none.
@@ -194,9 +194,9 @@ class UrdfJointRow(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class UrdfOrderRecord(JsonRecord[None]):
-    """Elements of the URDF, in its order.
+    """Elements of the URDF in the order of the file.
 
-    joints: joints that move.
+    joints: the joints that move.
     """
 
     joints: tuple[UrdfJointRow, ...]
@@ -204,10 +204,10 @@ class UrdfOrderRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class OrderRecord(JsonRecord[None]):
-    """The order of things in the files.
+    """The order of elements in the MJCF and in the URDF.
 
-    mjcf: present if an MJCF is written.
-    urdf: present if a URDF is written.
+    mjcf: the order in the MJCF; missing if no MJCF is written.
+    urdf: the order in the URDF; missing if no URDF is written.
     """
 
     mjcf: MjcfOrderRecord | None = None
@@ -215,12 +215,12 @@ class OrderRecord(JsonRecord[None]):
 
 
 @dataclass(frozen=True)
-class VariedRecord(JsonRecord[None]):
-    """A quantity that varies.
+class VariedQuantityRecord(JsonRecord[None]):
+    """A quantity that varies between the variants of a robot.
 
     quantity: its name: the link, joint or actuator, and the quantity.
     origin: where its value comes from.
-    share: the share of the value by which it varies in both directions.
+    share: the largest change upwards or downwards, as a share of the value.
     """
 
     quantity: str
@@ -230,12 +230,12 @@ class VariedRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class VariantsRecord(JsonRecord[None]):
-    """Robots that differ slightly from the robot, as arrays over the fields of the MJCF's model.
+    """Variants of the robot, whose quantities differ slightly, as arrays of the fields of the MJCF's model.
 
-    file: the file with the arrays.
+    file: the name of the file with the arrays.
     n: the number of variants.
     seed: the seed of the random numbers.
-    fields: MuJoCo's fields that vary.
+    fields: the fields of MuJoCo's model that vary.
     varied: the quantities that vary, and by how much.
     """
 
@@ -243,14 +243,14 @@ class VariantsRecord(JsonRecord[None]):
     n: int
     seed: int
     fields: tuple[str, ...]
-    varied: tuple[VariedRecord, ...]
+    varied: tuple[VariedQuantityRecord, ...]
 
 
 @dataclass(frozen=True)
 class SrdfRecord(JsonRecord[None]):
-    """Content that only the SRDF has.
+    """Content of the SRDF that no other file has.
 
-    never: link of the URDF → the later links that it never meets.
+    never: link of the URDF → the links that it never collides with; each pair is listed once.
     end_effectors: the names of the end effectors.
     """
 
@@ -259,13 +259,13 @@ class SrdfRecord(JsonRecord[None]):
 
 
 @dataclass(frozen=True)
-class RenamedRecord(JsonRecord[None]):
-    """Names of the robot → names in the format, if they differ; in ROS 2, the names of the URDF → names in
-    ROS 2.
+class NameChangesRecord(JsonRecord[None]):
+    """Names that a format changes: name in the robot → name in the format; for ROS 2, name in the URDF → name
+    in ROS 2.
 
-    links: names of links.
-    joints: names of joints, by their degrees of freedom, also of loops.
-    frames: names of frames, in an SDF.
+    links: the names of links.
+    joints: the names of the degrees of freedom of joints and loops → the names of their joints in the format.
+    frames: the names of frames; only for an SDF.
     """
 
     links: Mapping[str, str]
@@ -273,13 +273,14 @@ class RenamedRecord(JsonRecord[None]):
     frames: Mapping[str, str] | None = None
 
     @classmethod
-    def from_model(cls, value: Any, **more: Any) -> "RenamedRecord":
-        """Returns the record of the names of a format, by the robot's names."""
+    def from_model(cls, value: Any, **more: Any) -> "NameChangesRecord":
+        """Returns the record of the names of a format. `value`: has a mapping of all names for each field,
+        except `frames` if the format has none."""
         kinds = [kind for kind in ("links", "joints", "frames") if hasattr(value, kind)]
-        return cls(**{kind: _changed(getattr(value, kind)) for kind in kinds})
+        return cls(**{kind: _changed_names(getattr(value, kind)) for kind in kinds})
 
 
-def _changed(names: Mapping[str, str]) -> dict[str, str]:
+def _changed_names(names: Mapping[str, str]) -> dict[str, str]:
     return {name: format_name for name, format_name in names.items() if name != format_name}
 
 
@@ -287,12 +288,12 @@ def _changed(names: Mapping[str, str]) -> dict[str, str]:
 class FormatRecord(JsonRecord[None]):
     """Differences between a format and the robot.
 
-    renamed: names that are not the robot's.
-    zeros: degree of freedom → its value where its joint of the format is at 0, unless that is 0. A ball's
-        joint turns on from that pose.
+    renamed: the names that differ from the robot's.
+    zeros: degree of freedom → its value where its joint in the format is at 0, unless that value is 0. For a
+        ball it is the orientation to which the joint's rotation is relative.
     """
 
-    renamed: RenamedRecord | None = None
+    renamed: NameChangesRecord | None = None
     zeros: Mapping[str, ExactValue] | None = None
 
 
@@ -302,11 +303,11 @@ class PackageRecord(JsonRecord[None]):
 
     package: its name.
     writer: the version of its writer; missing in an older build.
-    folder: the folder in it with the robot's files; missing if it has no copies of them.
-    renamed: names that are not the URDF's, in ROS 2.
+    folder: the folder with the package's copies of the robot's files; missing without copies.
+    renamed: the names that differ from the URDF's; only for ROS 2.
     """
 
     package: str
     writer: int = 0
     folder: str = ""
-    renamed: Annotated[RenamedRecord | None, UNREAD] = None
+    renamed: Annotated[NameChangesRecord | None, UNREAD] = None

@@ -8,12 +8,12 @@ from linkwright.stages.formats.robot_json.driving import ActuationRecord, Sensin
 from linkwright.stages.formats.robot_json.files import (
     CouplingRecord,
     FormatRecord,
-    HeldRecord,
-    LoweredRecord,
+    LoweredJointRecord,
+    MergedLinkRecord,
     OrderRecord,
     PackageRecord,
     SrdfRecord,
-    UrdfRecord,
+    UrdfPackageRecord,
     VariantsRecord,
 )
 from linkwright.stages.formats.robot_json.joints import FrameRecord, JointRecord, LoopRecord, RelationRecord
@@ -141,11 +141,11 @@ class RobotRecord(JsonRecord[model.Robot]):
     relations: tuple[RelationRecord, ...]
     loops: tuple[LoopRecord, ...]
     frames: tuple[FrameRecord, ...]
-    lowered: Annotated[tuple[LoweredRecord, ...], UNREAD]
+    lowered: Annotated[tuple[LoweredJointRecord, ...], UNREAD]
     couplings: tuple[CouplingRecord, ...] = ()
-    urdf: UrdfRecord | None = None
-    merged: tuple[HeldRecord, ...] = ()
-    fused: tuple[HeldRecord, ...] = ()
+    urdf: UrdfPackageRecord | None = None
+    merged: tuple[MergedLinkRecord, ...] = ()
+    fused: tuple[MergedLinkRecord, ...] = ()
     mjcf: MjcfRecord | None = None
     transmissions: tuple[model.Transmission, ...] = ()
     actuation: Annotated[ActuationRecord, INLINE]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody
-from linkwright.stages.graph.mjcf.equalities import Closing
+from linkwright.stages.graph.mjcf.equalities import ClosureJoint
 
 FRAME_TOLERANCE = 1e-12
 """Largest difference of two transforms' entries that counts as rounding."""
@@ -27,7 +27,7 @@ def base_of(mjcf: Mjcf) -> int | None:
     return not_floating[0] if len(not_floating) == 1 and not mjcf.bodies[not_floating[0]].joints else None
 
 
-def link_bodies_of(mjcf: Mjcf, closings: Sequence[Closing], free: bool) -> list[int]:
+def link_bodies_of(mjcf: Mjcf, closure_joints: Sequence[ClosureJoint], free: bool) -> list[int]:
     """Returns the numbers of the bodies that become links. The world (0) is one of them if another body is
     fixed to it or moves relative to it.
 
@@ -42,20 +42,20 @@ def link_bodies_of(mjcf: Mjcf, closings: Sequence[Closing], free: bool) -> list[
         in_world_frame = bool(np.abs(mjcf.bodies[base].parent_from_body - np.eye(4)).max() < FRAME_TOLERANCE)
         return all_bodies[1:] if in_world_frame or (free and len(world_children) == 1) else all_bodies
     not_floating = any(not floats(mjcf.bodies[number]) for number in world_children)
-    closed_to_world = any(0 in closing.closure.bodies for closing in closings)
+    closed_to_world = any(0 in joint.closure.bodies for joint in closure_joints)
     return all_bodies if not_floating or closed_to_world else all_bodies[1:]
 
 
-def tree_closings(mjcf: Mjcf, closings: Sequence[Closing]) -> list[Closing]:
+def tree_closure_joints(mjcf: Mjcf, closure_joints: Sequence[ClosureJoint]) -> list[ClosureJoint]:
     """Returns the closures that connect otherwise separate trees: each becomes a joint of the tree."""
     world_child = _world_child_above(mjcf)
     not_floating = {number for number in _world_children(mjcf) if not floats(mjcf.bodies[number])} | {0}
     tree_roots = (
-        {0 if world_child[body] in not_floating else world_child[body] for body in closing.closure.bodies}
-        for closing in closings
+        {0 if world_child[body] in not_floating else world_child[body] for body in joint.closure.bodies}
+        for joint in closure_joints
     )
     return [
-        closing for closing, roots_of_ends in zip(closings, tree_roots, strict=True) if len(roots_of_ends) > 1
+        joint for joint, roots_of_ends in zip(closure_joints, tree_roots, strict=True) if len(roots_of_ends) > 1
     ]
 
 

@@ -1,4 +1,5 @@
-"""Turns equalities that connect two bodies into connections that close loops; a pair can form a hinge."""
+"""Turns equalities that connect two bodies into connections that close loops; two connects can form a
+hinge."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,106 +23,134 @@ from linkwright.stages.robot.model.robot import (
 )
 from linkwright.stages.robot.motion.kinematics import chain
 
-SECOND_POINT = "_axis"
-"""Suffix of the sites of a hinge's second point."""
+SECOND_POINT_SUFFIX = "_axis"
+"""Suffix of the names of a hinge's second connect and of its sites, in files that Linkwright wrote."""
+
+MAX_AXIS_DIFFERENCE = 1e-9
+"""Largest distance [m] between the ends of a hinge's axis on its two bodies; for an axis longer than 1 m, as
+a share of its length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Closing:
-    """A closure, or two that form a hinge."""
+class ClosureJoint:
+    """The joint that a closure represents, or a pair of connects that form a hinge."""
 
     closure: MjcfClosure
+    """The closure, or the first connect of a hinge."""
+
     axis: Array | None = None
-    """Axis of the hinge (3,), the same in both its frames; None without a hinge."""
+    """Axis of the hinge (3,), the same in both frames of the closure; None without a hinge."""
 
 
-def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
-    """Returns the closures, where each pair of connects that forms a hinge is a single closing: `name`
-    between sites `a`, `b` and `name_axis` between `a_axis`, `b_axis`, as our own files have them."""
-    by_sites = {
+def joints_of_closures(closures: Sequence[MjcfClosure]) -> tuple[ClosureJoint, ...]:
+    """Returns the joints that closures represent, in the order of the file.
+
+    In files that Linkwright wrote, a hinge is two connects: `name` between the sites `a` and `b`, and
+    `name_axis` between the sites `a_axis` and `b_axis`.
+    """
+    connects_by_sites = {
         closure.sites: closure for closure in closures if closure.type == "connect" and all(closure.sites)
     }
-    merged, spent = [], set[int]()
+    joints, second_connects = [], set[int]()
     for closure in closures:
-        other = by_sites.get((closure.sites[0] + SECOND_POINT, closure.sites[1] + SECOND_POINT))
-        is_pair = other is not None and other.name == closure.name + SECOND_POINT
-        alike = other is not None and closure.attributes == other.attributes and closure.type == "connect"
-        axis = _axis(closure, other) if other is not None and is_pair and alike else None
+        first_site, second_site = closure.sites
+        partner = connects_by_sites.get((first_site + SECOND_POINT_SUFFIX, second_site + SECOND_POINT_SUFFIX))
+        axis = None if partner is None else _hinge_axis(closure, partner)
         if axis is not None:
-            spent.add(id(other))
-        merged.append(Closing(closure, axis))
-    return tuple(closing for closing in merged if id(closing.closure) not in spent)
+            second_connects.add(id(partner))
+        joints.append(ClosureJoint(closure, axis))
+    return tuple(joint for joint in joints if id(joint.closure) not in second_connects)
 
 
-def _axis(first: MjcfClosure, second: MjcfClosure) -> Array | None:
-    """Returns the axis of the hinge that two connects form; None where they do not form a hinge."""
-    if first.bodies != second.bodies:
+def _hinge_axis(first: MjcfClosure, second: MjcfClosure) -> Array | None:
+    """Returns the axis (3,) of the hinge that two connects form; None if they do not form a hinge. `second`
+    is a connect."""
+    if (
+        first.type != "connect"
+        or second.name != first.name + SECOND_POINT_SUFFIX
+        or second.attributes != first.attributes
+        or second.bodies != first.bodies
+    ):
         return None
-    ends = ((first.a_from_frame, second.a_from_frame), (first.b_from_frame, second.b_from_frame))
-    along = [(inverse(first) @ second)[:3, 3] for first, second in ends]
-    reach = float(np.linalg.norm(along[1]))
-    if reach == 0 or float(np.linalg.norm(along[0] - along[1])) > 1e-9 * max(1.0, reach):
+    # The second point in the frame of the first, on each body.
+    axis_on_a = (inverse(first.a_from_frame) @ second.a_from_frame)[:3, 3]
+    axis_on_b = (inverse(first.b_from_frame) @ second.b_from_frame)[:3, 3]
+    length = float(np.linalg.norm(axis_on_b))
+    difference = float(np.linalg.norm(axis_on_a - axis_on_b))
+    if length == 0 or difference > MAX_AXIS_DIFFERENCE * max(1.0, length):
         return None
-    return frozen(along[1] / reach)
+    return frozen(axis_on_b / length)
 
 
-def closing_sites(closings: Sequence[Closing]) -> frozenset[str]:
-    """Returns the sites that exist only for a closure, by their names: `<name>_a`, `<name>_b` and those of a
-    hinge's second point, as in our own files, where the exporter makes them again."""
-    hidden: set[str] = set()
-    for closing in closings:
-        sites = closing.closure.sites
-        if closing.closure.name and sites == (f"{closing.closure.name}_a", f"{closing.closure.name}_b"):
-            hidden |= {*sites, *(() if closing.axis is None else (site + SECOND_POINT for site in sites))}
-    return frozenset(hidden)
+def closing_sites(closure_joints: Sequence[ClosureJoint]) -> frozenset[str]:
+    """Returns the names of the sites that exist only for a closure, and that the exporter makes again.
+
+    These are `<name>_a` and `<name>_b` of a closure `name`, as Linkwright writes them, and the sites of a
+    hinge's second point.
+    """
+    names: set[str] = set()
+    for joint in closure_joints:
+        sites = joint.closure.sites
+        if joint.closure.name and sites == (f"{joint.closure.name}_a", f"{joint.closure.name}_b"):
+            names |= {*sites}
+            if joint.axis is not None:
+                names |= {site + SECOND_POINT_SUFFIX for site in sites}
+    return frozenset(names)
 
 
 def connections(
-    named_closings: Iterable[tuple[Closing, str, str]],
+    named_joints: Iterable[tuple[ClosureJoint, str, str]],
     numbers: Mapping[int, int],
     world_from_body: Mapping[int, Array],
 ) -> Iterator[Connection]:
-    """Yields the closures as connections: a connect is a ball, a weld is fixed, a hinge's two connects are a
-    turn.
+    """Yields the joints of closures as connections: a weld is fixed, a hinge turns, a single connect is a
+    ball.
 
-    `named_closings`: each with its own name and that of its dof.
+    `named_joints`: (joint, its name, the name of its dof). `numbers`: body of the MJCF → body of the
+    mechanism. `world_from_body`: the pose (4, 4) of each body of the MJCF.
     """
-    for closing, name, dof_name in named_closings:
-        a, b = closing.closure.bodies
-        first = world_from_body[a] @ closing.closure.a_from_frame
-        second = world_from_body[b] @ closing.closure.b_from_frame
-        relative = inverse(second) @ first
-        kind, dofs = _joint(closing, dof_name, relative)
-        explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
+    for joint, name, dof_name in named_joints:
+        closure = joint.closure
+        body_a, body_b = closure.bodies
+        world_from_first = world_from_body[body_a] @ closure.a_from_frame
+        world_from_second = world_from_body[body_b] @ closure.b_from_frame
+        second_from_first = inverse(world_from_second) @ world_from_first
+        joint_type, dofs = _type_and_dofs(joint, dof_name, second_from_first)
+        pose_of_dofs = chain(dofs, {dof.name: dof.saved for dof in dofs})
         yield Connection(
             name=name,
-            type=kind,
-            bodies=(numbers[a], numbers[b]),
-            world_from_frames=(frozen(first), frozen(second)),
+            type=joint_type,
+            bodies=(numbers[body_a], numbers[body_b]),
+            world_from_frames=(frozen(world_from_first), frozen(world_from_second)),
             dofs=dofs,
-            residual=residual(relative, explained),
-            ref=MateRef((), name, closing.closure.name or name, closing.closure.type),
+            residual=residual(second_from_first, pose_of_dofs),
+            ref=MateRef((), name, closure.name or name, closure.type),
             title=name,
             closes=True,
-            solref=_solref(closing.closure),
+            solref=_solref(closure),
         )
 
 
 def _solref(closure: MjcfClosure) -> tuple[float, float] | None:
+    """Returns MuJoCo's `solref` of a closure; None unless the file has both of its numbers."""
     numbers = [float(number) for number in dict(closure.attributes).get("solref", "").split()]
     return (numbers[0], numbers[1]) if len(numbers) == 2 else None
 
 
-def _joint(closing: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
-    """Returns the type of joint that an equality represents, and its dof at the pose `relative` (4, 4)."""
-    if closing.closure.type == "weld":
+def _type_and_dofs(
+    joint: ClosureJoint, dof_name: str, second_from_first: Array
+) -> tuple[JointType, tuple[Dof, ...]]:
+    """Returns the type of the joint of a closure, and its dofs, whose saved values follow from the pose
+    `second_from_first` (4, 4) of its frames."""
+    if joint.closure.type == "weld":
         return "fixed", ()
-    quat = quat_from_rotation(relative[:3, :3])
-    if closing.axis is None:
+    quat = quat_from_rotation(second_from_first[:3, :3])
+    if joint.axis is None:
         w, x, y, z = (float(number) for number in quat)
-        return "ball", (_dof(name, "ball", frozen(np.zeros(3)), (w, x, y, z)),)
-    angle = 2.0 * float(np.arctan2(quat[1:] @ closing.axis, quat[0]))
-    return "revolute", (_dof(name, "turn", closing.axis, angle),)
+        return "ball", (_dof(dof_name, "ball", frozen(np.zeros(3)), (w, x, y, z)),)
+    # A turn by the angle t about the unit axis u is the quaternion (cos t/2, u sin t/2).
+    angle = 2.0 * float(np.arctan2(quat[1:] @ joint.axis, quat[0]))
+    return "revolute", (_dof(dof_name, "turn", joint.axis, angle),)
 
 
 def _dof(name: str, kind: DofKind, axis: Array, saved: Value) -> Dof:

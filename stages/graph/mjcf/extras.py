@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfNamedPose
 from linkwright.stages.graph.mjcf.actuation import actuator_names, sensor_names
-from linkwright.stages.graph.mjcf.equalities import Closing
+from linkwright.stages.graph.mjcf.equalities import ClosureJoint
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
 from linkwright.stages.robot.model.mjcf_extras import (
     MjcfAttributes,
@@ -21,7 +21,7 @@ from linkwright.stages.robot.model.robot import Array, Keyframe
 def extras_of(
     mjcf: Mjcf,
     names: MjcfFileNames,
-    closings: Sequence[Closing],
+    closure_joints: Sequence[ClosureJoint],
     keyframes: Sequence[Keyframe],
     link_from_body: Mapping[int, Array],
 ) -> MjcfExtras:
@@ -43,7 +43,7 @@ def extras_of(
             )
             for number, body in link_bodies
         ),
-        attributes=tuple(_attributes(mjcf, names, closings)),
+        attributes=tuple(_attributes(mjcf, names, closure_joints)),
         mounted=tuple(
             MjcfMounted(names.links[number], element.body_from_element, renamed_element(element.element))
             for number, body in link_bodies
@@ -70,7 +70,9 @@ def _new_names(mjcf: Mjcf, names: MjcfFileNames) -> dict[tuple[str, str], str]:
     return new_names
 
 
-def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -> Iterator[MjcfAttributes]:
+def _attributes(
+    mjcf: Mjcf, names: MjcfFileNames, closure_joints: Sequence[ClosureJoint]
+) -> Iterator[MjcfAttributes]:
     for number, body in enumerate(mjcf.bodies):
         rows = [("body", names.links[number], body.attributes)] if number else []
         rows += [
@@ -85,8 +87,8 @@ def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -
             if (number, index) in names.frames
         ]
         yield from (MjcfAttributes(*row) for row in rows if row[2])
-    for index, closing in enumerate(closings):
-        yield MjcfAttributes("equality", names.loops[index][0], closing.closure.attributes)
+    for index, joint in enumerate(closure_joints):
+        yield MjcfAttributes("equality", names.loops[index][0], joint.closure.attributes)
     for index, relation in enumerate(mjcf.relations):
         yield MjcfAttributes("equality", names.relations[index], relation.attributes)
     for actuator, name in zip(mjcf.actuators, actuator_names(mjcf, names), strict=True):

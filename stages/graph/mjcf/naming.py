@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from linkwright.stages.formats.mjcf.model import Mjcf
 from linkwright.stages.graph.mechanism import WORLD_LINK
-from linkwright.stages.graph.mjcf.equalities import Closing
+from linkwright.stages.graph.mjcf.equalities import ClosureJoint
 from linkwright.stages.graph.naming import FileNames, Namer
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement
@@ -18,14 +18,15 @@ MjcfFileNames = FileNames[int, tuple[int, int]]
 
 def names_of(
     mjcf: Mjcf,
-    closings: Sequence[Closing],
-    joining: Collection[Closing],
+    closure_joints: Sequence[ClosureJoint],
+    joining: Collection[ClosureJoint],
     hidden: Collection[str],
     log: Diagnostics,
 ) -> MjcfFileNames:
     """Keeps the file's own names wherever they can stay; reports W-NAME for each that changes.
 
-    `joining`: the closings that become joints. `hidden`: names of the sites that are no frames.
+    `joining`: the closure joints that become joints of the tree. `hidden`: names of the sites that are no
+    frames.
     """
     namer = Namer()
     namer.reserve(name for section in mjcf.extras.scene for name in _names_in(section))
@@ -33,14 +34,14 @@ def names_of(
     links = namer.keep("link", ((number, body.name) for number, body in bodies))
     dofs = namer.keep("joint", _dofs(mjcf))
     frames = namer.keep("frame", _sites(mjcf, hidden))
-    equalities = namer.keep("equality", _equalities(mjcf, closings))
+    equalities = namer.keep("equality", _equalities(mjcf, closure_joints))
     namer.report(log)
     # Unnamed elements are named once all names in the file are known.
     links = namer.fill("link", links, ((number, f"body_{number}") for number, _ in bodies))
     dofs = namer.fill("joint", dofs, _proposed_dofs(mjcf, links))
     joints = list(dofs.values())
     relations = namer.fill("equality", equalities, _proposed_relations(mjcf, joints))
-    loops = _loops(namer, closings, joining, equalities)
+    loops = _loops(namer, closure_joints, joining, equalities)
     names_by_body = {
         number: tuple(dofs[number, place] for place in range(len(body.joints)))
         for number, body in enumerate(mjcf.bodies)
@@ -84,9 +85,9 @@ def _sites(mjcf: Mjcf, hidden: Collection[str]) -> Iterator[tuple[tuple[int, int
                 yield (number, index), site.name
 
 
-def _equalities(mjcf: Mjcf, closings: Sequence[Closing]) -> Iterator[tuple[tuple[str, int], str]]:
-    for index, closing in enumerate(closings):
-        yield ("loop", index), closing.closure.name
+def _equalities(mjcf: Mjcf, closure_joints: Sequence[ClosureJoint]) -> Iterator[tuple[tuple[str, int], str]]:
+    for index, joint in enumerate(closure_joints):
+        yield ("loop", index), joint.closure.name
     for index, relation in enumerate(mjcf.relations):
         yield ("relation", index), relation.name
 
@@ -98,17 +99,17 @@ def _proposed_relations(mjcf: Mjcf, joints: Sequence[str]) -> Iterator[tuple[tup
 
 def _loops(
     namer: Namer,
-    closings: Sequence[Closing],
-    joining: Collection[Closing],
+    closure_joints: Sequence[ClosureJoint],
+    joining: Collection[ClosureJoint],
     kept_names: Mapping[tuple[str, int], str],
 ) -> dict[int, tuple[str, str]]:
     """Returns the name of each equality, and that of its dof, which is the same unless a joint has it."""
     names = {}
-    for index, closing in enumerate(closings):
+    for index, joint in enumerate(closure_joints):
         name = kept_names.get(("loop", index)) or namer.make("equality", "loop")
         is_free = namer.is_free("joint", name)
         dof_name = name if is_free else namer.make("joint", f"{name}_loop")
-        names[index] = (dof_name if closing in joining else name, dof_name)
+        names[index] = (dof_name if joint in joining else name, dof_name)
         if is_free:
             namer.keep("joint", [(index, name)])
     return names

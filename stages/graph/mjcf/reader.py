@@ -17,8 +17,8 @@ from linkwright.stages.graph.mechanism import (
     RigidBody,
 )
 from linkwright.stages.graph.mjcf.actuation import actuators_of, sensors_of
-from linkwright.stages.graph.mjcf.base import base_of, floats, link_bodies_of, root_of, tree_closings
-from linkwright.stages.graph.mjcf.equalities import closing_sites, closings, connections
+from linkwright.stages.graph.mjcf.base import base_of, floats, link_bodies_of, root_of, tree_closure_joints
+from linkwright.stages.graph.mjcf.equalities import closing_sites, connections, joints_of_closures
 from linkwright.stages.graph.mjcf.extras import extras_of
 from linkwright.stages.graph.mjcf.joints import SINGLE_JOINT_TYPES, Chain, body_joint, chain_of
 from linkwright.stages.graph.mjcf.keyframes import keyframes_of
@@ -62,8 +62,8 @@ def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tup
     mjcf = _decode(bundle)
     log.add(mjcf.diagnostics)
     report_unused(keys, "MJCF", log)
-    equalities = closings(mjcf.closures)
-    tree_equalities = tree_closings(mjcf, equalities)
+    equalities = joints_of_closures(mjcf.closures)
+    tree_equalities = tree_closure_joints(mjcf, equalities)
     for equality in tree_equalities:
         text = "without this equality its bodies would float apart: it became a joint between them"
         log.report(
@@ -78,9 +78,9 @@ def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tup
         base = base_of(mjcf)
         index_of |= {} if base is None else {0: index_of[base]}
     loop_equalities = (
-        (closing, *names.loops[index])
-        for index, closing in enumerate(equalities)
-        if len({index_of[body] for body in closing.closure.bodies}) > 1
+        (joint, *names.loops[index])
+        for index, joint in enumerate(equalities)
+        if len({index_of[body] for body in joint.closure.bodies}) > 1
     )
     closing = connections(loop_equalities, index_of, pose.world_from_body)
     root = root_of(mjcf, link_bodies)

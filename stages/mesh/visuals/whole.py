@@ -13,7 +13,7 @@ from linkwright.stages.mesh.files.names import stems
 from linkwright.stages.robot.model.geometry import NEUTRAL, Geometry, Shape
 
 
-def with_glb(geometry: Geometry, links: Iterable[str], up: glb.Up) -> Geometry:
+def with_glb(geometry: Geometry, links: Iterable[str], up: glb.UpAxis) -> Geometry:
     """Returns the geometry with a GLB for each link that has visual meshes. Links with the same meshes and
     colours share the GLB of the first of them. `links`: all links of the robot."""
     names = stems(links)

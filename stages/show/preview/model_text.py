@@ -130,7 +130,7 @@ def _with_stl(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[st
     for mesh in root.xpath("link/visual/geometry/mesh[contains(@filename, '.glb')]"):
         path, visual = _path_among_files(mesh.get("filename"), folder, files), mesh.getparent().getparent()
         try:
-            pieces = glb.coloured(files[path]) if path is not None else []
+            pieces = glb.coloured_triangles(files[path]) if path is not None else []
         except ProtocolError:
             continue
         for number, (corners, colour) in enumerate(pieces):

@@ -1,4 +1,4 @@
-"""Compares the distribution of mass in parts, and tells whether two bodies are mirror images."""
+"""Represents parts as bodies of 1 kg, to compare how two bodies distribute their mass."""
 
 import math
 from functools import cached_property
@@ -13,31 +13,33 @@ from linkwright.stages.robot.dynamics.inertia import merged, moved, scaled
 from linkwright.stages.robot.model.robot import Array, Inertial
 
 COM_TOLERANCE = 1e-3
-"""Largest distance of equal centres of mass, in radii of gyration."""
+"""Largest distance between centres of mass that count as equal, in radii of gyration."""
 
 INERTIA_TOLERANCE = 1e-2
-"""Largest difference of equal tensors of inertia, as a share of the trace."""
+"""Largest difference between the entries of tensors of inertia that count as equal, as a share of the
+trace."""
 
 
 class PartSolids:
-    """The parts of an assembly as bodies of 1 kg: by CAD's mass properties, else by their triangles."""
+    """The parts of an assembly as bodies of 1 kg, by CAD's mass properties or else by their triangles."""
 
     def __init__(self, assembly: Assembly, bundle: OnshapeBundle) -> None:
         self.assembly, self.bundle = assembly, bundle
         self._bodies: dict[Path, Inertial | None] = {}
 
     def body(self, path: Path) -> Inertial | None:
-        """Returns all parts at or below an occurrence as one body of 1 kg in the world, each part of the same
-        mass; None where any of them is unknown."""
+        """Returns the parts at or below an occurrence as a single body of 1 kg, in the world's frame. Each
+        part has the same share of the mass. Returns None if a part has neither mass properties nor triangles,
+        or if there are no parts."""
         if path not in self._bodies:
-            bodies = [self._part(part) for part in self.parts(path)]
-            shaped = [body for body in bodies if body is not None]
-            is_complete = bool(shaped) and len(shaped) == len(bodies)
-            self._bodies[path] = scaled(merged(shaped), 1.0) if is_complete else None
+            bodies = [self._part_body(part) for part in self.parts(path)]
+            known_bodies = [body for body in bodies if body is not None]
+            is_complete = bool(known_bodies) and len(known_bodies) == len(bodies)
+            self._bodies[path] = scaled(merged(known_bodies), 1.0) if is_complete else None
         return self._bodies[path]
 
     def parts(self, path: Path) -> list[Path]:
-        """Returns the part occurrences at or below a path, sorted."""
+        """Returns the paths of the parts at or below a path, sorted."""
         return self._parts_by_path.get(path, [])
 
     @cached_property
@@ -52,14 +54,18 @@ class PartSolids:
     def _masses(self) -> dict[PartKey, Weight]:
         return read_masses(self.bundle)
 
-    def _part(self, path: Path) -> Inertial | None:
+    def _part_body(self, path: Path) -> Inertial | None:
+        """Returns a part as a body of 1 kg, in the world's frame; None if it has neither mass properties nor
+        triangles."""
         key = part_key(self.assembly.occurrences[path].record)
         weight = self._masses.get(key)
         if weight and weight.inertial.mass > 0:
             body = scaled(weight.inertial, 1.0)
         else:
-            sheet = self.assembly.body_types.get(key) == SHEET
-            volume = None if sheet else weight.volume if weight else 0.0
+            volume: float | None = weight.volume if weight else 0.0
+            if self.assembly.body_types.get(key) == SHEET:
+                # As `shape_of` takes it.
+                volume = None
             shape = shapes_of(self.bundle, [(key, volume)]).get(key)
             if shape is None:
                 return None
@@ -67,15 +73,18 @@ class PartSolids:
         return moved(body, self.assembly.world_from_path(path))
 
 
-def is_image(first: Inertial, second: Inertial, motion: Array) -> bool:
-    """Returns whether `motion` (4, 4), which may reflect, takes the first of two bodies of 1 kg to the
-    second."""
-    image = moved(first, motion)
-    is_centred = np.linalg.norm(image.com - second.com) <= COM_TOLERANCE * gyration(first)
-    difference = np.abs(image.inertia - second.inertia).max()
-    return bool(is_centred and difference <= INERTIA_TOLERANCE * np.trace(first.inertia))
+def is_moved_body(image: Inertial, body: Inertial, motion: Array) -> bool:
+    """Tells whether `image` is `body` under `motion` (4, 4), which may reflect, as far as their distributions
+    of mass show. Both have 1 kg."""
+    moved_body = moved(body, motion)
+    com_distance = np.linalg.norm(moved_body.com - image.com)
+    inertia_difference = np.abs(moved_body.inertia - image.inertia).max()
+    return bool(
+        com_distance <= COM_TOLERANCE * gyration_radius(body)
+        and inertia_difference <= INERTIA_TOLERANCE * np.trace(body.inertia)
+    )
 
 
-def gyration(body: Inertial) -> float:
+def gyration_radius(body: Inertial) -> float:
     """Returns the radius of gyration [m] of a body of 1 kg about its centre of mass: r² = ½ tr I."""
     return math.sqrt(np.trace(body.inertia) / 2)

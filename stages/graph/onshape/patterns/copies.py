@@ -1,4 +1,4 @@
-"""Finds the copies of each pattern that get the mates of their seeds, and what supports them."""
+"""Finds the copies of patterns that get the mates of their seeds, and what supports them."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -10,67 +10,77 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 
 
 @dataclass(slots=True)
-class Series:
-    """A pattern and the state of its copies."""
+class CopySeries:
+    """The copies of a pattern, and which joints they have got."""
 
     pattern: Pattern
     support: Support
+    """The support of the seeds."""
     images: Mapping[Path, Image]
-    """How each copy comes from its seed, if that is known."""
-    free: frozenset[Path]
-    """Copies that no mates or groups of their own support: they get those of their seed."""
-    rebuilt: frozenset[Path]
-    """Sub-assemblies of mirror-image parts without features of their own: they get those inside their
-    seeds."""
-    joints: int = 0
-    """Number of joints that copies got so far."""
-    served: set[Path] = field(default_factory=set)
-    """Copies that got joints so far."""
-    carried: set[str] = field(default_factory=set)
-    """Mates of fastened seeds that are not repeated, so far."""
+    """Copy → its relation to its seed; copies whose relation is unknown are left out."""
+    unsupported_copies: frozenset[Path]
+    """Copies that no mates or groups of their own support: they get those of their seeds."""
+    rebuilt_copies: frozenset[Path]
+    """Copies that are sub-assemblies of mirror-image parts, without mates and groups of their own: they get
+    those inside their seeds."""
+    joint_count: int = 0
+    """Number of joints that the copies have got so far."""
+    copies_with_joints: set[Path] = field(default_factory=set)
+    """Copies that have got joints so far."""
+    carried_mates: set[str] = field(default_factory=set)
+    """Titles of mates that are not repeated, since a fastened seed carries something by them; so far."""
 
-    def counterpart(self, seed: Path, copy: Path, place: Path) -> Path:
-        """Returns the occurrence in a copy that is the image of `place`, at or below its seed; () if
-        unknown."""
+    def counterpart(self, seed: Path, copy: Path, occurrence: Path) -> Path:
+        """Returns the occurrence in `copy` that is the image of `occurrence`, which is at or below `seed`; ()
+        if it is unknown."""
         leaves = self.images[copy].leaves
-        return copy + place[len(seed) :] if leaves is None or place == seed else leaves.get(place, ())
+        if leaves is None or occurrence == seed:
+            return copy + occurrence[len(seed) :]
+        return leaves.get(occurrence, ())
 
     def repeats(self, owner: Path) -> bool:
-        """Returns whether mates and groups of the assembly `owner` are repeated for the copies."""
+        """Tells whether mates and groups of the assembly `owner` are repeated for the copies."""
         return owner in (self.pattern.owner, self.support.level)
 
 
-def series_of(
+def series_by_seed(
     assembly: Assembly,
     patterns: Iterable[Pattern],
-    rigid: Collection[Path],
+    rigid_assemblies: Collection[Path],
     planes: MirrorPlanes,
     log: Diagnostics,
-) -> dict[Path, list[Series]]:
-    """Maps each seed to its patterns, and reports copies that cannot be made.
+) -> dict[Path, list[CopySeries]]:
+    """Returns the series of copies of each seed. Reports W-PATTERN for copies without a seed or image,
+    W-PATTERN-LEVEL if mates of two assemblies hold a seed, and what `planes` reports.
 
-    `rigid`: the sub-assemblies without inner motion. `planes`: finds the images of seeds.
+    `rigid_assemblies`: the sub-assemblies without inner motion. `planes`: finds the images of seeds.
     """
-    busy = {mate.ref.owner for mate in assembly.mates} | {group.owner for group in assembly.groups}
+    owners_with_features = {mate.ref.owner for mate in assembly.mates}
+    owners_with_features |= {group.owner for group in assembly.groups}
     search = SupportSearch(assembly)
-    by_seed: dict[Path, list[Series]] = {}
+    by_seed: dict[Path, list[CopySeries]] = {}
     for pattern in patterns:
         seeds = _seeds(assembly, pattern, log)
         images = planes.images(pattern)
-        support = search.support(seeds, pattern.owner, rigid) if images else Support(pattern.owner)
-        levels = dict.fromkeys((pattern.owner, support.level))
-        free = images.keys() - _supported_by_own_mates(images.keys(), seeds, levels, search)
-        rebuilt = [copy for copy, image in images.items() if image.leaves and copy not in busy]
-        series = Series(pattern, support, images, frozenset(free), frozenset(rebuilt))
+        support = search.support(seeds, pattern.owner, rigid_assemblies) if images else Support(pattern.owner)
+        supported_copies = _supported_copies(pattern.owner, support.level, images.keys(), seeds, search)
+        unsupported_copies = images.keys() - supported_copies
+        # Only copies that consist of other parts than their seeds have leaves.
+        rebuilt_copies = [
+            copy for copy, image in images.items() if image.leaves and copy not in owners_with_features
+        ]
+        series = CopySeries(
+            pattern, support, images, frozenset(unsupported_copies), frozenset(rebuilt_copies)
+        )
         for seed in seeds:
             by_seed.setdefault(seed, []).append(series)
-        if free and support.outer_title:
+        if unsupported_copies and support.outer_title:
             message = (
                 f"{support.inner_title} holds the seed inside its sub-assembly and {support.outer_title} "
                 "from outside: its copies use the inner mate"
             )
             hint = (
-                "FASTEN the seed to what carries it; or pattern the parts that it carries, too; "
+                "FASTEN the seed to the part that carries it; or pattern the parts that it carries, too; "
                 "or make the sub-assembly rigid (depth.rigid)"
             )
             log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
@@ -78,27 +88,29 @@ def series_of(
 
 
 def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]:
-    """Returns the seeds of a pattern that are there; reports W-PATTERN for copies whose seed is not."""
+    """Returns the seeds of a pattern that exist; reports W-PATTERN for copies whose seed does not."""
     occurrences = assembly.occurrences
     for seed, copies in pattern.copies.items():
-        alive = [copy for copy in copies if copy in occurrences]
-        if alive and seed not in occurrences:
-            titles = ", ".join(occurrences[copy].title for copy in alive)
+        existing_copies = [copy for copy in copies if copy in occurrences]
+        if existing_copies and seed not in occurrences:
+            titles = ", ".join(occurrences[copy].title for copy in existing_copies)
             message = f"the seed of {titles} is suppressed or deleted: it has no joints to copy"
             log.report("W-PATTERN", message, pattern.title, "mate the copies themselves")
     return [seed for seed in pattern.copies if seed in occurrences]
 
 
-def _supported_by_own_mates(
-    copies: Collection[Path], seeds: Collection[Path], levels: Iterable[Path], search: SupportSearch
+def _supported_copies(
+    owner: Path, support_level: Path, copies: Collection[Path], seeds: Collection[Path], search: SupportSearch
 ) -> set[Path]:
-    """Returns the copies that mates and groups of their own support, rather than only connect to something
-    carried."""
-    owner, *_ = levels
+    """Returns the copies that are supported by mates or groups of their own, which do not come from a seed.
+    Mates that only join a copy to something that it carries do not support it.
+
+    `owner`: the pattern's assembly; `support_level`: the assembly whose mates support the seeds.
+    """
     members = {*copies, *seeds}
-    return {
-        copy
-        for level in levels
-        for copy in copies
-        if (level, copy) in search.touching and search.holds(copy, owner, level, members)
-    }
+    supported_copies = set()
+    for level in {owner, support_level}:
+        for copy in copies:
+            if (level, copy) in search.touching and search.holds(copy, owner, level, members):
+                supported_copies.add(copy)
+    return supported_copies

@@ -16,7 +16,7 @@ import networkx as nx
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
 from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
-from linkwright.stages.graph.onshape.patterns.copies import Series, series_of
+from linkwright.stages.graph.onshape.patterns.copies import CopySeries, series_by_seed
 from linkwright.stages.graph.onshape.patterns.mirror_planes import Image, MirrorPlanes
 from linkwright.stages.graph.onshape.patterns.supports import Feature, node_of
 from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
@@ -32,7 +32,7 @@ from linkwright.stages.robot.text.plural import count
 class _Image:
     """A feature, moved to the `number`-th copies of a series."""
 
-    series: Series
+    series: CopySeries
     number: int
     copy: Path
     """The first copy for which the feature is made."""
@@ -75,7 +75,7 @@ def _with_copies_of(
     # Errors in the globs of `depth` are reported where the bodies are found.
     rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())
     mirror = keys.mirror
-    copier = _Copier(assembly, series_of(assembly, patterns, rigid, planes, log), log)
+    copier = _Copier(assembly, series_by_seed(assembly, patterns, rigid, planes, log), log)
     copied_mates = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     copied_groups = [copy for group in assembly.groups for copy in copier.groups(group)]
     mates, groups = [mate for mate, _ in copied_mates], [group for group, _ in copied_groups]
@@ -85,7 +85,7 @@ def _with_copies_of(
             copier.welded(mate)
             for mate in _holding_mates(copied_mates, [image for _, image in copied_groups])
         ]
-        free = {path for series in copier.series for path in series.free}
+        free = {path for series in copier.series for path in series.unsupported_copies}
         stiff |= {path for path in free if not assembly.occurrences[path].is_part}
     else:
         copier.report_relations()
@@ -94,7 +94,9 @@ def _with_copies_of(
 
 
 class _Copier:
-    def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], log: Diagnostics) -> None:
+    def __init__(
+        self, assembly: Assembly, by_seed: Mapping[Path, list[CopySeries]], log: Diagnostics
+    ) -> None:
         self.assembly, self.log, self.by_seed = assembly, log, by_seed
         self.series = list(
             {id(series): series for series_list in by_seed.values() for series in series_list}.values()
@@ -114,8 +116,8 @@ class _Copier:
                     continue
                 copied.add(image.copy)
                 if not rigid:
-                    image.series.joints += 1
-                    image.series.served |= image.target_copies
+                    image.series.joint_count += 1
+                    image.series.copies_with_joints |= image.target_copies
                     self.repeated.add((mate.ref.owner, mate.ref.feature))
                 copy = self._mate(mate.ref.name, source, image)
                 waiting.append((copy, image.target_copies))
@@ -142,7 +144,7 @@ class _Copier:
         `target_copies`: of a feature that is a copy itself, the instances that it was moved to; only these
         lead on to further copies.
         """
-        seeds_by_series: dict[int, tuple[Series, dict[int, Path]]] = {}
+        seeds_by_series: dict[int, tuple[CopySeries, dict[int, Path]]] = {}
         for index, place in enumerate(feature.occurrences):
             for depth in range(len(owner) + 1, len(place) + 1):
                 seed = place[:depth]
@@ -163,7 +165,7 @@ class _Copier:
         for seed in (owner[:depth] for depth in range(1, len(owner) + 1)):
             for series in self.by_seed.get(seed, ()):
                 for number, copy in enumerate(series.pattern.copies[seed]):
-                    if copy in series.rebuilt:
+                    if copy in series.rebuilt_copies:
                         copies = dict.fromkeys(range(len(feature.occurrences)), (seed, copy))
                         places = self._moved_places(series, feature, copies)
                         if places is not None:
@@ -171,7 +173,7 @@ class _Copier:
                             yield _Image(series, number, copy, places, inside, frozenset([copy]))
 
     def _image(
-        self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
+        self, series: CopySeries, number: int, feature: Feature, seeds: Mapping[int, Path]
     ) -> _Image | None:
         """Returns the image of a feature on the `number`-th copies, or None: if a copy is missing, if all
         copies have mates of their own, if a seed carries a place that is not on a seed, or if a joint leads
@@ -189,11 +191,11 @@ class _Copier:
         }
         if partners & support.dependents:
             return None
-        target_pairs = [pair for pair in copies.values() if pair[1] in series.free]
+        target_pairs = [pair for pair in copies.values() if pair[1] in series.unsupported_copies]
         if not target_pairs or any(copy not in series.images for _, copy in copies.values()):
             return None
         if partners and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
-            series.carried.add(feature.title)
+            series.carried_mates.add(feature.title)
             return None
         moved = self._moved_places(series, feature, copies)
         if moved is None:
@@ -203,7 +205,7 @@ class _Copier:
         return _Image(series, number, target_pairs[0][1], moved, on_copies, target_copies)
 
     def _moved_places(
-        self, series: Series, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
+        self, series: CopySeries, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
     ) -> tuple[Path, ...] | None:
         """Returns the places of a feature on copies, by index → (seed, copy); None if any has no
         counterpart."""
@@ -257,7 +259,7 @@ class _Copier:
                 for depth in range(len(relation.owner) + 1, len(path) + 1)
             ]
             inside = any(
-                series.free and series.pattern.owner == relation.owner
+                series.unsupported_copies and series.pattern.owner == relation.owner
                 for path in copied_below
                 for series in self.by_seed.get(path, ())
             )
@@ -269,14 +271,14 @@ class _Copier:
         """Reports I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not
         copied."""
         for series in self.series:
-            if series.carried:
+            if series.carried_mates:
                 message = (
                     f"its seed is fastened, and so are the copies; the mates of the parts "
-                    f"that the seed carries are not copied: {name_list(sorted(series.carried))}"
+                    f"that the seed carries are not copied: {name_list(sorted(series.carried_mates))}"
                 )
                 hint = "mate the copies themselves to what they carry"
                 self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)
-            joints, copies = series.joints, len(series.served)
+            joints, copies = series.joint_count, len(series.copies_with_joints)
             if not joints:
                 continue
             instances = count(copies, "instance")

@@ -15,7 +15,7 @@ import numpy as np
 
 from linkwright.stages.graph.globs import entries_of
 from linkwright.stages.graph.onshape.assembly import Assembly, Path, Pattern
-from linkwright.stages.graph.onshape.mass.part_solids import PartSolids, gyration, is_image
+from linkwright.stages.graph.onshape.mass.part_solids import PartSolids, gyration_radius, is_moved_body
 from linkwright.stages.graph.section import MirrorSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import moved
@@ -164,7 +164,7 @@ class MirrorPlanes:
         owner_from_world = inverse(self.assembly.world_from_path(owner))
         first, second = (moved(body, owner_from_world).com for body in bodies if body)
         distance = float(np.linalg.norm(second - first))
-        if distance <= MIN_CENTRE_DISTANCE * gyration(bodies[0]):
+        if distance <= MIN_CENTRE_DISTANCE * gyration_radius(bodies[0]):
             return None
         return (second - first, (first + second) / 2), distance
 
@@ -186,7 +186,7 @@ class MirrorPlanes:
 
     def _is_image(self, part: Path, image: Path, reflection: Array) -> bool:
         first, second = self.solids.body(part), self.solids.body(image)
-        return first is not None and second is not None and is_image(first, second, reflection)
+        return first is not None and second is not None and is_moved_body(second, first, reflection)
 
     def _user_image(
         self, pattern: Pattern, seed: Path, copy: Path, reflection: Array
