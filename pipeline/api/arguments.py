@@ -15,7 +15,7 @@ import yaml
 from linkwright.pipeline.config.choices import default_robot_name
 from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.config.files.trust import TRUST_CODE
-from linkwright.pipeline.config.hydra.node import quote_for_hydra
+from linkwright.pipeline.config.hydra.node import quote_text
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
 from linkwright.pipeline.run.preflight import plan_problems
@@ -50,13 +50,13 @@ def plan_of(
         hint = f"leave one out, or begin with the other: defaults: [/robot/{chosen.partition('=')[2]}]"
         raise ConfigError(f"one robot is built at a time, got {names} and {chosen}", "", hint)
     overrides += ["source.trust=true"] if trust else []
-    overrides += [f"plugins=[{','.join(map(quote_for_hydra, plugins))}]"] if plugins else []
-    overrides += [f"output={quote_for_hydra(os.fspath(output))}"] if output is not None else []
+    overrides += [f"plugins=[{','.join(map(quote_text, plugins))}]"] if plugins else []
+    overrides += [f"output={quote_text(os.fspath(output))}"] if output is not None else []
     folders = [os.fspath(folder) for folder in config_dirs]
     robot = robots[0] if robots else None
     if isinstance(robot, Mapping) and output is None and _names_a_folder(robot.get("output")):
         # The caller may name any folder, as on the command line.
-        overrides.insert(0, f"output={quote_for_hydra(os.fspath(robot['output']))}")
+        overrides.insert(0, f"output={quote_text(os.fspath(robot['output']))}")
     with _HYDRA_LOCK, robot_file(robot) as file:
         overrides = [*([f"robot={file}"] if file else []), *overrides]
         try:

@@ -27,7 +27,7 @@ from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, outside
 from linkwright.pipeline.config.hydra.errors import explained
 from linkwright.pipeline.config.hydra.files import guarded
 from linkwright.pipeline.config.hydra.loader import PRIMARY, aside, composed, swift, use_loader
-from linkwright.pipeline.config.hydra.node import HydraNode, quote_for_hydra, search_path_override
+from linkwright.pipeline.config.hydra.node import HydraNode, quote_text, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import fitting
 from linkwright.pipeline.config.optional import add_optional
@@ -158,9 +158,7 @@ class Composer:
         options = [self._presets.named(word) for word in words]
         if not any(options):
             return argument
-        texts = [
-            quote_for_hydra(option) if option else word for option, word in zip(options, words, strict=True)
-        ]
+        texts = [quote_text(option) if option else word for option, word in zip(options, words, strict=True)]
         return f"{sign}robot={','.join(texts)}"
 
     def compose(

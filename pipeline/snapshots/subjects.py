@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 
 from linkwright.pipeline import observed
 from linkwright.pipeline.config.compose import Composed, Composer, lacks_a_robot
-from linkwright.pipeline.config.hydra.node import quote_for_hydra
+from linkwright.pipeline.config.hydra.node import quote_text
 from linkwright.pipeline.config.messages import EXPERIMENT
 from linkwright.pipeline.config.presets import Presets
 from linkwright.pipeline.errors import ConfigError
@@ -46,7 +46,7 @@ class SnapshotSubject:
     @property
     def overrides(self) -> list[str]:
         """The overrides that build the subject."""
-        return [f"{group}={quote_for_hydra(option)}" for group, option in self.chosen.items()]
+        return [f"{group}={quote_text(option)}" for group, option in self.chosen.items()]
 
     @property
     def title(self) -> str:

@@ -182,11 +182,11 @@ def _resolved_folders(
 
 def search_path_override(folders: Iterable[Path]) -> list[str]:
     """Returns the override that adds folders to Hydra's search path, in a list; [] without folders."""
-    entries = ",".join(quote_for_hydra(f"file://{folder}") for folder in folders)
+    entries = ",".join(quote_text(f"file://{folder}") for folder in folders)
     return [f"{SEARCHPATH}[{entries}]"] if entries else []
 
 
-def quote_for_hydra(text: str) -> str:
+def quote_text(text: str) -> str:
     """Returns a text, quoted as a value in the grammar of Hydra's overrides."""
     escaped = text.replace("\\", "\\\\").replace("'", r"\'").replace("${", r"\${")
     return f"'{escaped}'"

@@ -9,7 +9,7 @@ from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
 from linkwright.pipeline.config.hydra.loader import parsed
-from linkwright.pipeline.config.hydra.node import quote_for_hydra
+from linkwright.pipeline.config.hydra.node import quote_text
 from linkwright.pipeline.config.hydra.words import READING, in_words
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.presets import GROUPS, Presets
@@ -46,9 +46,7 @@ class Reading:
             options = value.filter(all_options)
             if not options:
                 raise ValueError("no option matches", f"options: {', '.join(all_options)}")
-            return [
-                option if re.fullmatch(r"[\w/-]+", option) else quote_for_hydra(option) for option in options
-            ]
+            return [option if re.fullmatch(r"[\w/-]+", option) else quote_text(option) for option in options]
         if override.is_interval_sweep():
             return [str(value.start), str(value.end)]
         return list(override.sweep_string_iterator())
