@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.budget import Decimation, Decimator
@@ -70,7 +70,7 @@ class LinkParts:
         """Returns the findings, in the order of the uses."""
         findings = tuple(_finding(meshes.get(use.mesh)) for use in uses)
         colliding = [
-            moved(mesh.surface, use.link_from_part)
+            transform_surface(mesh.surface, use.link_from_part)
             for use in uses
             if use.collides and (mesh := meshes.get(use.mesh))
         ]

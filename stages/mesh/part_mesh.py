@@ -50,7 +50,7 @@ def _part_mesh(body: Body) -> PartMesh | None:
     if not len(surface.triangles):
         return None
     colours = body.colours[kept_triangles].astype(np.int64)
-    closed = surface.closed()
+    closed = surface.is_closed()
     volume = surface.volume()
     if volume < 0:
         # The whole part is inside out.

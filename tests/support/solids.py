@@ -22,7 +22,7 @@ def box(*sizes, at=(0.0, 0.0, 0.0)):
 
 def joined(*surfaces):
     """Several surfaces as one, each with its own vertices."""
-    return surface.joined(surfaces)
+    return surface.join_surfaces(surfaces)
 
 
 def bodies_of(meshes):

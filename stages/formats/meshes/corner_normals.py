@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.components import components
-from linkwright.stages.formats.meshes.surface import Surface, unit
+from linkwright.stages.formats.meshes.surface import Surface, unit_vectors
 
 CREASE = 0.85
 """Cosine of the largest angle between two faces (about 32°) that meet smoothly; at a larger angle the edge is
@@ -23,12 +23,12 @@ def corner_normals(surface: Surface) -> tuple[Indices, Numbers]:
     triangles around the point that smooth edges connect.
     """
     areas = surface.normals()
-    flat = unit(areas)
+    flat = unit_vectors(areas)
     first, second = _joined_corners(surface.triangles, len(surface.vertices), flat)
     which = components(surface.triangles.size, first, second)
     face = np.arange(surface.triangles.size) // 3
     total = [np.bincount(which, areas[face, axis]).astype(np.float64) for axis in range(3)]
-    return which.reshape(-1, 3), unit(np.stack(total, axis=1))
+    return which.reshape(-1, 3), unit_vectors(np.stack(total, axis=1))
 
 
 def _joined_corners(triangles: Indices, count: int, flat: Numbers) -> tuple[Indices, Indices]:

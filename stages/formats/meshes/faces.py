@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.points import mesh_points
-from linkwright.stages.formats.meshes.surface import Surface, unit
+from linkwright.stages.formats.meshes.surface import Surface, unit_vectors
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,4 +52,4 @@ def mesh_faces(file: str, data: bytes) -> MeshFaces:
 def normals(faces: MeshFaces) -> npt.NDArray[np.float64]:
     """Returns the unit normals (m, 3) of the triangles; along z for triangles without area."""
     # −0 counts as 0.
-    return np.asarray(unit(Surface(faces.points, faces.triangles).normals()) + 0.0)
+    return np.asarray(unit_vectors(Surface(faces.points, faces.triangles).normals()) + 0.0)

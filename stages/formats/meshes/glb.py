@@ -169,7 +169,7 @@ class _GlbFile:
             "pbrMetallicRoughness": look,
             **({"alphaMode": "BLEND"} if alpha < 1.0 else {}),
             # Triangles of an open surface can be seen from behind.
-            **({} if piece.surface.closed() else {"doubleSided": True}),
+            **({} if piece.surface.is_closed() else {"doubleSided": True}),
         }
         if record not in self._materials:
             self._materials.append(record)

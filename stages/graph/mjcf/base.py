@@ -55,7 +55,9 @@ def tree_closure_joints(mjcf: Mjcf, closure_joints: Sequence[ClosureJoint]) -> l
         for joint in closure_joints
     )
     return [
-        joint for joint, roots_of_ends in zip(closure_joints, tree_roots, strict=True) if len(roots_of_ends) > 1
+        joint
+        for joint, roots_of_ends in zip(closure_joints, tree_roots, strict=True)
+        if len(roots_of_ends) > 1
     ]
 
 

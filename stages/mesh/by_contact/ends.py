@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Points, Surface, joined
+from linkwright.stages.formats.meshes.surface import Points, Surface, join_surfaces
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
@@ -98,7 +98,7 @@ def _cut(
     far they stand out."""
     states: list[_State] = []
     sampled: dict[Chunk, SampledPiece] = {}
-    faces = planes.flat_faces(joined([chunk.surface for chunk in chunks]))
+    faces = planes.flat_faces(join_surfaces([chunk.surface for chunk in chunks]))
 
     def halves(chunk: Chunk) -> list[Chunk]:
         return [] if chunk.is_final else _halves(chunk, faces, outside, max_vertices, plane_count)

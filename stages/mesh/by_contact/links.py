@@ -8,7 +8,12 @@ from typing import cast
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, compacted, joined, moved
+from linkwright.stages.formats.meshes.surface import (
+    Surface,
+    drop_unused_points,
+    join_surfaces,
+    transform_surface,
+)
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut.chunk import Chunk, hull_chunk
 from linkwright.stages.mesh.fit import allowed_kinds, fits
@@ -45,7 +50,7 @@ class Touchable:
     def surface(self) -> Surface:
         """Returns all surfaces of the link that may touch another link, as one surface."""
         parts = [surface for group in self.groups for surface in group]
-        return joined([*parts, *map(surface_of, self.fixed)])
+        return join_surfaces([*parts, *map(surface_of, self.fixed)])
 
     def fixed_chunks(self) -> Iterator[Chunk]:
         """Yields the pieces that stay, as an engine takes them: a mesh as its hull."""
@@ -64,7 +69,7 @@ def initial_chunks(
     for body in bodies:
         pieces = list(body.fixed_chunks())
         for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
-            hull = hull_chunk(compacted(joined(surfaces)), settings.max_vertices, group)
+            hull = hull_chunk(drop_unused_points(join_surfaces(surfaces)), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = _primitive(hull, settings, parts[0] if len(parts) == 1 else _NO_PART, primitives)
@@ -86,7 +91,7 @@ def _primitive(
     assert isinstance(hull.piece, Surface)
     part, link_from_part = placed_part
     if part is None or part not in primitives:
-        local_hull = moved(hull.piece, inverse(link_from_part))
+        local_hull = transform_surface(hull.piece, inverse(link_from_part))
         tolerance = default_tolerance(local_hull.diagonal)
         candidates = (fit.primitive for fit in fits(local_hull, allowed_kinds(settings.limits), tolerance))
         primitives[part] = next(
@@ -109,7 +114,7 @@ def chunks_by_part(
     yield from body.fixed_chunks()
     for group, (surfaces, parts) in enumerate(zip(body.groups, body.parts, strict=True)):
         for surface, part in zip(surfaces, parts, strict=True):
-            hull = hull_chunk(compacted(surface), settings.max_vertices, group)
+            hull = hull_chunk(drop_unused_points(surface), settings.max_vertices, group)
             if hull is None:
                 continue
             primitive = None if primitives is None else _primitive(hull, settings, part, primitives)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats.meshes.surface import Points, joined
+from linkwright.stages.formats.meshes.surface import Points, join_surfaces
 from linkwright.stages.mesh.by_contact.pair import Numbers, Pair
 from linkwright.stages.mesh.cut import planes
 from linkwright.stages.mesh.cut.chunk import Chunk, engine_hull, hull_chunk, hull_of
@@ -191,7 +191,9 @@ class PieceSearch:
         self, pair: Pair, link: int, chunk: Chunk, rough_rows: Sequence[tuple[Chunk, Any]]
     ) -> list[planes.Plane]:
         if link not in self._faces:
-            self._faces[link] = planes.flat_faces(joined([piece.surface for piece in self.chunks[link]]))
+            self._faces[link] = planes.flat_faces(
+                join_surfaces([piece.surface for piece in self.chunks[link]])
+            )
         axes = planes.axes_of(chunk.surface)
         cloud = chunk.cloud()
 
@@ -258,7 +260,7 @@ class PieceSearch:
             if growths[first, second] == np.inf:
                 break
             joined_chunk = hull_chunk(
-                joined([first.surface, second.surface]), self.max_vertices, first.collider_index
+                join_surfaces([first.surface, second.surface]), self.max_vertices, first.collider_index
             )
             rest = [chunk for chunk in self.chunks[link] if chunk not in (first, second)]
             if joined_chunk is not None and self.no_worse(link, [*rest, joined_chunk]):

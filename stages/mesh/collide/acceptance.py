@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.fit.score import MAX_PROTRUSION_TOLERANCES
@@ -33,7 +33,7 @@ class Judge:
         bodies = clean(surface).bodies()
         if not bodies:
             return "the part is flat"
-        solid = joined(bodies)
+        solid = join_surfaces(bodies)
         try:
             target = Target.of(solid)
         except ValueError as error:
@@ -76,7 +76,7 @@ class Judge:
 def with_measures(collision: Collision, surfaces: Sequence[Surface], tolerance: float | None) -> Collision:
     """Returns the collider with measures against its part. `surfaces`: surfaces of the part; `tolerance` [m]:
     None for the default. A flat part cannot be measured: the collider stays as it is."""
-    judge = Judge.of(joined(surfaces), tolerance)
+    judge = Judge.of(join_surfaces(surfaces), tolerance)
     if isinstance(judge, str) or not collision.pieces:
         return collision
     return judge.collision(collision.pieces, judge.measure(collision.pieces), collision.rung).with_note(

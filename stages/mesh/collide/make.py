@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.choices import Choice
@@ -81,7 +81,9 @@ class ColliderJob:
         for placed_mesh in self.placed_meshes:
             surface = library.surface(placed_mesh.mesh, self.choice.how.triangles)
             if surface is not None:
-                surfaces.append(surface if self.single else moved(surface, placed_mesh.link_from_part))
+                surfaces.append(
+                    surface if self.single else transform_surface(surface, placed_mesh.link_from_part)
+                )
         return surfaces
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
@@ -31,7 +31,7 @@ def merge_across_parts(
     colliders, in the same frame. A joined piece contains the pieces from which it is made, so that no part is
     left barer than before."""
     smallest_tolerance = min(map(settings.tolerance_of, surfaces))
-    judge = Judge.of(joined(surfaces), smallest_tolerance)
+    judge = Judge.of(join_surfaces(surfaces), smallest_tolerance)
     if isinstance(judge, str):
         return Collision(meets=False)
     cutter = PieceCutter(judge, settings.max_vertices)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.collide import primitives
 from linkwright.stages.mesh.collide.choices import Choice
 from linkwright.stages.mesh.collide.make import MadeCollider
@@ -87,7 +87,7 @@ def _ellipsoid_replacements(
 ) -> Iterator[Diagnostic]:
     without_ellipsoids = targets_where(targets, lambda shapes: "ellipsoid" in shapes.without)
     errors = [
-        ellipsoid_error(moved(piece, collided.job.link_from_subject), parts[0])
+        ellipsoid_error(transform_surface(piece, collided.job.link_from_subject), parts[0])
         for collided, parts in colliders
         if len(parts) == 1 and parts[0].form.ellipsoid
         for piece in collided.collision.pieces

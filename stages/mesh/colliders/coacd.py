@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
@@ -23,7 +23,7 @@ def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
 
 def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider: Collision) -> Collision:
     """Makes at most 16 pieces; a surface that CoACD cannot take is cut by planes."""
-    judge = Judge.of(joined(surfaces), settings.tolerance)
+    judge = Judge.of(join_surfaces(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return hull_collider.with_note(judge)
     decomposition = convex_pieces(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))

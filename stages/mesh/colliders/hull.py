@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import HullSettings
 from linkwright.stages.mesh.fit import capped_hull
@@ -12,7 +12,7 @@ from linkwright.stages.mesh.fit import capped_hull
 
 def make(surfaces: Sequence[Surface], settings: HullSettings) -> Collision:
     """Makes one hull, and does not judge it, since that would take longer; no pieces for flat parts."""
-    whole = joined(surfaces)
+    whole = join_surfaces(surfaces)
     finite = bool(np.isfinite(whole.vertices).all())
     hull = capped_hull(whole, settings.max_vertices) if finite else None
     return (

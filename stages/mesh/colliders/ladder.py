@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.acceptance import Judge, miss
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import Cut, PieceCutter
@@ -40,7 +40,7 @@ _MAX_TRIES = 6  # each with half as many primitives as the one before
 
 def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
     """Makes the cheapest primitive that is near enough, else the convex hull, near enough or not."""
-    judge = Judge.of(joined(surfaces), settings.tolerance, settings.extra_volume)
+    judge = Judge.of(join_surfaces(surfaces), settings.tolerance, settings.extra_volume)
     if isinstance(judge, str):
         hull_collider = hull.make(surfaces, HullSettings(settings.max_vertices))
         return replace(hull_collider, meets=not hull_collider.pieces, note=judge)
@@ -71,7 +71,7 @@ def _single_pieces(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str
 def improve(surfaces: Sequence[Surface], settings: LadderSettings, first_collider: Collision) -> Collision:
     """Makes the fewest convex pieces that are near enough; else pieces that are much nearer than the hull;
     else returns `first_collider`."""
-    judge = Judge.of(joined(surfaces), settings.tolerance, settings.extra_volume)
+    judge = Judge.of(join_surfaces(surfaces), settings.tolerance, settings.extra_volume)
     if isinstance(judge, str) or first_collider.measures is None:
         return first_collider
     cut = PieceCutter(judge, settings.max_vertices, settings.effort).cut()
@@ -119,7 +119,7 @@ def _with_primitives(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...
 def together(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
     """Makes one primitive or hull for several parts if it is within the tolerance of each; else no pieces."""
     tolerance = min(map(settings.tolerance_of, surfaces))
-    combined = joined(surfaces)
+    combined = join_surfaces(surfaces)
     whole = convex_hull(combined.vertices)
     if whole is None or whole.volume() > _largest_volume(surfaces, tolerance, settings.extra_volume):
         return Collision(meets=False)

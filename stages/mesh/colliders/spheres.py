@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from linkwright.stages.formats.meshes.surface import Surface, joined
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh import fit
 from linkwright.stages.mesh.collide.acceptance import with_measures
 from linkwright.stages.mesh.collide.collision import Collision
@@ -14,7 +14,7 @@ MAX_SPHERES = 64
 
 def make(surfaces: Sequence[Surface], settings: SphereSettings) -> Collision:
     """Makes at most `MAX_SPHERES` spheres that meet the tolerance if possible; no pieces for a flat part."""
-    whole = joined(surfaces)
+    whole = join_surfaces(surfaces)
     spheres = fit.spheres(whole, settings.tolerance_of(whole), MAX_SPHERES)
     if not spheres:
         return Collision(note="it is flat")

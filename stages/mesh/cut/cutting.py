@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Points, Surface, compacted
+from linkwright.stages.formats.meshes.surface import Points, Surface, drop_unused_points
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 
 P = TypeVar("P")
@@ -88,7 +88,8 @@ def cut_by_plane(surface: Surface, normal: Points, height: float) -> tuple[Surfa
         pair_side.append(np.column_stack([to_first, second, to_second]))
     all_vertices = np.concatenate(vertices)
     low_side, high_side = (
-        compacted(Surface(all_vertices, np.concatenate(side))) for side in (low_triangles, high_triangles)
+        drop_unused_points(Surface(all_vertices, np.concatenate(side)))
+        for side in (low_triangles, high_triangles)
     )
     return low_side, high_side
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, rounded
+from linkwright.stages.formats.meshes.surface import Surface, join_surfaces, round_to_single, select_triangles
 from linkwright.stages.mesh.files import obj, stl
 from linkwright.stages.robot.model.geometry import Colour
 
@@ -40,7 +40,7 @@ class MeshFile:
 
 def collider(surface: Surface) -> MeshFile:
     """Returns the mesh file of a convex hull."""
-    return _mesh_file(rounded(surface), None)
+    return _mesh_file(round_to_single(surface), None)
 
 
 def visuals(surface: Surface, colour: Colour, texture: str = "") -> Iterator[MeshFile]:
@@ -49,10 +49,10 @@ def visuals(surface: Surface, colour: Colour, texture: str = "") -> Iterator[Mes
     MuJoCo refuses meshes that span no volume, such as a single coloured face. A flat surface therefore gets a
     back, a thousandth of a millimetre behind it. Specks that span less than 1e-14 m³ even then are left out.
     """
-    for part, span in _portions(rounded(surface)):
+    for part, span in _portions(round_to_single(surface)):
         solid = part
         if _is_flat(part, span):
-            solid = rounded(_backed(part))
+            solid = round_to_single(_backed(part))
             span = _span(solid)
         if len(solid.triangles) and span >= _MIN_SPAN:
             yield _mesh_file(solid, colour, texture)
@@ -68,7 +68,7 @@ def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
         yield surface, span
         return
     for half in np.array_split(np.arange(count), 2):
-        yield from _portions(chosen(surface, half))
+        yield from _portions(select_triangles(surface, half))
 
 
 def _scale(surface: Surface) -> float:
@@ -104,7 +104,7 @@ def _backed(surface: Surface) -> Surface:
     # away than the surface is wide.
     depth = max(_BACK_DISTANCE * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
     back_vertices = surface.vertices - depth * normals[largest] / lengths[largest]
-    return joined([surface, replace(surface, vertices=back_vertices).flipped()])
+    return join_surfaces([surface, replace(surface, vertices=back_vertices).flipped()])
 
 
 def _mesh_file(surface: Surface, colour: Colour | None, texture: str = "") -> MeshFile:

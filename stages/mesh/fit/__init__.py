@@ -96,7 +96,7 @@ def spheres(surface: Surface, tolerance: float, max_spheres: int = 64) -> tuple[
     """Returns at most `max_spheres` spheres whose union neither stands out of a part nor leaves it bare by
     more than `tolerance` [m], or by as little more as possible; no spheres for a flat part."""
     outline = outline_of(surface)
-    return balls.spheres(outline, surface.closed(), tolerance, max_spheres) if outline else ()
+    return balls.spheres(outline, surface.is_closed(), tolerance, max_spheres) if outline else ()
 
 
 def capped_hull(surface: Surface, max_vertices: int = 64) -> Surface | None:

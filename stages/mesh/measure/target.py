@@ -69,7 +69,7 @@ class Target:
         if _overlap(tree) > _MAX_OVERLAP:
             msg = "the surface cannot be measured: too many of its faces overlap"
             raise ValueError(msg)
-        closed = surface.closed()
+        closed = surface.is_closed()
         solid = Solid.of(_solids(surface)) if closed else None
         return Target(
             surface,

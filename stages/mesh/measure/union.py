@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats.meshes.surface import Points, Surface, joined
+from linkwright.stages.formats.meshes.surface import Points, Surface, join_surfaces
 from linkwright.stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers
 from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, beyond_piece, signed_distance, surface_of
 from linkwright.stages.robot.model.robot import Primitive
@@ -45,14 +45,14 @@ class PieceUnion:
             msg = "a collider without pieces has no measures"
             raise ValueError(msg)
         surfaces = tuple(surface_of(piece) for piece in pieces)
-        joined_surface = joined(surfaces)
+        joined_surface = join_surfaces(surfaces)
         owners = np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces])
         tree = BoxTree.of(joined_surface)
         normals = unit_normals(joined_surface)
         hulls = [piece for piece in pieces if isinstance(piece, Surface)]
         nearest = None
         if hulls:
-            nearest = Nearest.of(tree if len(hulls) == len(surfaces) else BoxTree.of(joined(hulls)))
+            nearest = Nearest.of(tree if len(hulls) == len(surfaces) else BoxTree.of(join_surfaces(hulls)))
         low = np.array([surface.vertices.min(axis=0) for surface in surfaces])
         high = np.array([surface.vertices.max(axis=0) for surface in surfaces])
         # The polyhedron of a primitive lies partly inside the primitive, so the boxes are widened.
@@ -83,7 +83,7 @@ class PieceUnion:
             return np.zeros((0, 3, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
         surfaces = [self.surfaces[index] for index in piece_indices]
         owners = np.repeat(piece_indices, [len(surface.triangles) for surface in surfaces])
-        chosen_surface = joined(surfaces)
+        chosen_surface = join_surfaces(surfaces)
         return chosen_surface.corners, owners, unit_normals(chosen_surface)
 
     def depth(self, points: Points, without: Indices | None = None) -> Numbers:

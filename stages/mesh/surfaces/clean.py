@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from linkwright.stages.formats.meshes.components import Indices, components
-from linkwright.stages.formats.meshes.surface import Surface, compacted, weld
+from linkwright.stages.formats.meshes.surface import Surface, drop_unused_points, weld
 from linkwright.stages.mesh.surfaces.shells import Edges, Flags, Shells, orient_consistently
 
 _MIN_VOLUME_SHARE = 1e-6  # of the volume of all solids
@@ -114,7 +114,7 @@ def _without_cracks(surface: Surface) -> Surface:
     open_after = (
         int((Edges.of(joined_surface).excess() != 0).sum()) if len(joined_surface.triangles) else open_before
     )
-    return surface if open_after >= open_before else compacted(joined_surface)
+    return surface if open_after >= open_before else drop_unused_points(joined_surface)
 
 
 def _solids(shells: Shells, candidates: Indices) -> tuple[Surface, ...]:
@@ -138,7 +138,7 @@ def _solids(shells: Shells, candidates: Indices) -> tuple[Surface, ...]:
         if not is_cavity[shell]:
             triangles = shells.surface.triangles[np.sort(order[bounds[shell] : bounds[shell + 1]])]
             outward = triangles[:, ::-1] if inwards[shell] else triangles
-            solids.append(compacted(Surface(shells.surface.vertices, outward)))
+            solids.append(drop_unused_points(Surface(shells.surface.vertices, outward)))
     return tuple(solids)
 
 
@@ -151,7 +151,7 @@ def _loose(shells: Shells, faces: Indices, drop_small: bool) -> Surface | None:
         return None
     label = components(len(points), np.concatenate([first, second]), np.concatenate([second, third]))
     flat = _are_flat(shells.surface.vertices[points], label, drop_small, shells.size.max())[label[first]]
-    return None if flat.all() else compacted(Surface(shells.surface.vertices, triangles[~flat]))
+    return None if flat.all() else drop_unused_points(Surface(shells.surface.vertices, triangles[~flat]))
 
 
 def _are_flat(points: np.ndarray, label: Indices, drop_small: bool, size: float) -> Flags:

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.body_arrays import distinct
-from linkwright.stages.formats.meshes.surface import Points, Surface, compacted, weld
+from linkwright.stages.formats.meshes.surface import Points, Surface, drop_unused_points, weld
 
 _MIN_THICKNESS = 1e-6
 """Hulls with a smaller mean thickness are flat: in [m], or as a share of the diagonal if that is below 1
@@ -30,7 +30,7 @@ def convex_hull(points: Points) -> Surface | None:
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     if hull.volume <= hull.area / 2 * _MIN_THICKNESS * min(1.0, size):
         return None
-    surface = compacted(Surface(corners, hull.simplices.astype(np.int64)))
+    surface = drop_unused_points(Surface(corners, hull.simplices.astype(np.int64)))
     welded, _ = weld(surface.vertices, outwards(surface, hull))
     return welded
 

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.formats.meshes.surface import Points, Surface, moved
+from linkwright.stages.formats.meshes.surface import Points, Surface, transform_surface
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
 from linkwright.stages.robot.model.robot import Array, Primitive, frozen
 
@@ -38,7 +38,7 @@ def volume(piece: Piece) -> float:
 def placed(piece: Piece, transform: Array) -> Piece:
     """Returns the piece moved by `transform` (4, 4): a rotation or reflection, and a translation."""
     if isinstance(piece, Surface):
-        return moved(piece, transform)
+        return transform_surface(piece, transform)
     rows = [[_product(row, column) for column in piece.link_from_shape.T] for row in transform]
     pose = np.array(rows)
     if np.linalg.det(pose[:3, :3]) < 0:
@@ -131,7 +131,7 @@ def surface_of(piece: Piece) -> Surface:
         # The volume of a turned solid grows with the square of its width.
         growth = math.sqrt(exact_volume / local.volume())
         local = Surface(local.vertices * [growth, growth, 1.0], local.triangles)
-    return moved(local, piece.link_from_shape)
+    return transform_surface(local, piece.link_from_shape)
 
 
 def enclosing_points(primitive: Primitive) -> Points:

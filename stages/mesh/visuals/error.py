@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Points, Surface, chosen
+from linkwright.stages.formats.meshes.surface import Points, Surface, select_triangles
 from linkwright.stages.mesh.measure import BoxTree
 from linkwright.stages.mesh.part_mesh import PartMesh
 from linkwright.stages.mesh.visuals.walk import WalkedSurface
@@ -44,7 +44,7 @@ def _of_colour(mesh: PartMesh, colour: int) -> Surface | None:
     mask = mesh.colours == colour
     if mask.all():
         return mesh.surface
-    return chosen(mesh.surface, mask) if mask.any() else None
+    return select_triangles(mesh.surface, mask) if mask.any() else None
 
 
 def _sample_points(walked: WalkedSurface) -> Points:

@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.stages.formats.meshes.surface import Surface, chosen, joined, moved
+from linkwright.stages.formats.meshes.surface import (
+    Surface,
+    join_surfaces,
+    select_triangles,
+    transform_surface,
+)
 from linkwright.stages.mesh.files import mesh_file
 from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.part_mesh import PartMesh
@@ -73,7 +78,7 @@ def make_visuals(
 def _files(drawn_parts: Sequence[DrawnPart], meshes: Mapping[MeshRef, PartMesh]) -> tuple[MeshFile, ...]:
     """Returns the mesh files of parts, sorted by colour and texture."""
     moved_surfaces = [
-        (moved(mesh.surface, part.link_from_part), mesh)
+        (transform_surface(mesh.surface, part.link_from_part), mesh)
         for part in drawn_parts
         if (mesh := meshes.get(part.mesh))
     ]
@@ -93,14 +98,14 @@ def _surfaces_by_paint(
         return []
     paints = sorted({paint for _, mesh in moved_surfaces for paint in mesh.paints})
     rank = {paint: index for index, paint in enumerate(paints)}
-    all_triangles = joined([surface for surface, _ in moved_surfaces])
+    all_triangles = join_surfaces([surface for surface, _ in moved_surfaces])
     ranks = np.concatenate(
         [np.array([rank[paint] for paint in mesh.paints])[mesh.colours] for _, mesh in moved_surfaces]
     )
     order = np.argsort(ranks, kind="stable")
     bounds = np.searchsorted(ranks[order], np.arange(len(paints) + 1))
     return [
-        (paint, chosen(all_triangles, order[begin:end]))
+        (paint, select_triangles(all_triangles, order[begin:end]))
         for paint, begin, end in zip(paints, bounds, bounds[1:], strict=False)
         if end > begin
     ]

@@ -15,7 +15,7 @@ import trimesh
 from linkwright.stages.fetch.urdf.meshes.companions import Companions
 from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
 from linkwright.stages.formats.meshes import glb, gltf, gltf_claims
-from linkwright.stages.formats.meshes.surface import Surface, rounded
+from linkwright.stages.formats.meshes.surface import Surface, round_to_single
 from tests.fake_onshape.gltf import gltf as drawn
 from tests.support.textures import cube, image, ordered
 from tests.unit.fetch.onshape.triangles.test_gltf import changed, studio
@@ -24,7 +24,7 @@ GREY = (0.7, 0.7, 0.7, 1.0)
 
 
 def surface(mesh):
-    return rounded(Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces).astype(np.int64)))
+    return round_to_single(Surface(np.asarray(mesh.vertices), np.asarray(mesh.faces).astype(np.int64)))
 
 
 def cylinder(sections=32):
@@ -139,7 +139,7 @@ def test_axis_that_is_up_turns_the_scene_and_not_the_points(up):
 def test_large_meshes_have_wider_indices(count, kind):
     points = np.random.default_rng(0).random((count, 3))
     triangles = np.arange(count - count % 3).reshape(-1, 3)
-    data = glb.write([glb.Piece(rounded(Surface(points, triangles)), GREY)])
+    data = glb.write([glb.Piece(round_to_single(Surface(points, triangles)), GREY)])
     root = tree(data)
     assert root["accessors"][root["meshes"][0]["primitives"][0]["indices"]]["componentType"] == kind
     assert len(meshes(data)[0].faces) == len(triangles)

@@ -47,7 +47,7 @@ def hollow():
 def test_shells_become_solids_that_face_outwards(part, volumes):
     cleaned = clean(part)
     assert [solid.volume() for solid in cleaned.solids] == pytest.approx(volumes)
-    assert all(solid.closed() for solid in cleaned.solids)
+    assert all(solid.is_closed() for solid in cleaned.solids)
     assert cleaned.bodies() == cleaned.solids
 
 
@@ -69,7 +69,7 @@ def test_any_faces_turned_are_turned_back(seed):
     triangles = np.where(turned[:, None], part.triangles[:, ::-1], part.triangles)
     cleaned = clean(Surface(part.vertices, triangles))
     assert [solid.volume() for solid in cleaned.solids] == pytest.approx([shape.volume(), 0.000125])
-    assert all(solid.closed() for solid in cleaned.solids)
+    assert all(solid.is_closed() for solid in cleaned.solids)
 
 
 def test_faces_twice_back_to_back_or_of_bad_corners_are_removed():
@@ -144,7 +144,7 @@ def test_narrow_cracks_are_closed():
     corners = part.corners.reshape(-1, 3)
     corners = corners + np.random.default_rng(1).uniform(-2e-7, 2e-7, corners.shape)
     cracked, _ = weld(corners, np.arange(len(corners)).reshape(-1, 3))
-    assert not cracked.closed()
+    assert not cracked.is_closed()
     assert clean(cracked).solids[0].volume() == pytest.approx(part.volume(), rel=1e-4)
 
 
@@ -156,7 +156,7 @@ def test_any_soup_ends_in_closed_solids_that_face_outwards(seed):
     triangles = random.integers(0, len(points), (random.integers(0, 60), 3))
     surface = weld(points, triangles)[0] if len(triangles) else Surface(points, triangles)
     cleaned = clean(surface)
-    assert all(solid.closed() and solid.volume() > 0 for solid in cleaned.solids)
+    assert all(solid.is_closed() and solid.volume() > 0 for solid in cleaned.solids)
     assert sum(len(body.triangles) for body in cleaned.bodies()) <= len(surface.triangles)
     order = random.permutation(len(surface.triangles))
     other = clean(welded(Surface(surface.vertices, surface.triangles[order]))) if len(order) else cleaned

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh import COLLIDERS, Maker, fit, make_geometry
 from linkwright.stages.mesh.collide import collision
@@ -152,7 +152,7 @@ def skewed(surfaces, settings):
     """A fit of each kind of a part that is turned out of the axes."""
     turn = rotation_from_rpy((0.4, -0.7, 1.1))
     stretched = Surface(surfaces[0].vertices * [1, 1.5, 2.5], surfaces[0].triangles)
-    fits = fit.fits(moved(stretched, from_parts(turn, np.zeros(3))))
+    fits = fit.fits(transform_surface(stretched, from_parts(turn, np.zeros(3))))
     return Collision(tuple(fitted.primitive for fitted in fits))
 
 

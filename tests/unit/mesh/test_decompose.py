@@ -65,7 +65,7 @@ def shuffled(surface, seed):
 def assert_plates(pieces, surface, count, lost):
     """The pieces are closed, of this number, and leave out no more than this share of the part's volume."""
     assert len(pieces) == count
-    assert all(piece.closed() and piece.volume() > 0 for piece in pieces)
+    assert all(piece.is_closed() and piece.volume() > 0 for piece in pieces)
     assert union(pieces).volume() == pytest.approx(surface.volume(), rel=5e-3)
     assert (body(surface) - union(pieces)).volume() < lost * surface.volume()
 
@@ -133,7 +133,7 @@ def test_only_a_self_intersecting_body_is_refused():
     """CoACD would not terminate. Bodies across each other are cut one by one."""
     across, overlapping = (weld(*POISONED[name]())[0] for name in ("self-intersecting", "two overlapping"))
     assert prepared(across, 0.0016) == NOT_CLOSED
-    assert [piece.closed() for piece in prepared(overlapping, 0.0016)] == [True, True]
+    assert [piece.is_closed() for piece in prepared(overlapping, 0.0016)] == [True, True]
 
 
 def test_two_bodies_are_two_pieces():

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.fit import CHEAPEST, allowed_kinds, best_primitive, fit_kind, fits
 from linkwright.stages.mesh.measure import Target, measure
 from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
@@ -111,7 +111,7 @@ def test_sphere_and_capsule_in_any_pose_are_found_again(radius, seed):
 )
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_fittest_kind_is_that_of_the_part(surface, kind, seed):
-    assert best_primitive(moved(surface, some_pose(seed))).kind == kind
+    assert best_primitive(transform_surface(surface, some_pose(seed))).kind == kind
 
 
 def test_radius_of_a_gear_is_between_its_root_and_its_tip():
@@ -133,9 +133,9 @@ def test_noise_hardly_moves_a_fit():
 def test_fits_within_half_a_degree_of_the_axes_are_along_them(angle):
     turn = np.eye(4)
     turn[:3, :3] = Rotation.from_euler("xyz", [angle, 0, 0], degrees=True).as_matrix()
-    fitted = fit_kind("box", moved(box(0.1, 0.06, 0.03), turn))
+    fitted = fit_kind("box", transform_surface(box(0.1, 0.06, 0.03), turn))
     assert fitted.link_from_shape[:3, :3].tolist() == np.eye(3).tolist()
-    rod = fit_kind("cylinder", moved(of_mesh(trimesh.creation.cylinder(0.01, 0.1)), turn))
+    rod = fit_kind("cylinder", transform_surface(of_mesh(trimesh.creation.cylinder(0.01, 0.1)), turn))
     assert rod.link_from_shape[:3, 2].tolist() == [0, 0, 1]
 
 
@@ -147,11 +147,11 @@ def test_fits_within_half_a_degree_of_the_axes_are_along_them(angle):
 )
 def test_moved_or_mirrored_part_in_any_order_has_the_moved_fit(surface, kind, seed, mirrored):
     # Turned once already, so that no direction is near a coordinate axis.
-    surface = moved(surface, some_pose(100))
+    surface = transform_surface(surface, some_pose(100))
     pose = some_pose(seed, mirrored)
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(surface.vertices))
-    there = moved(surface, pose)
+    there = transform_surface(surface, pose)
     triangles = np.argsort(order)[there.triangles][rng.permutation(len(there.triangles))]
     there = Surface(there.vertices[order], np.roll(triangles, 1, axis=1))
     assert difference(fit_kind(kind, there), placed(fit_kind(kind, surface), pose), 0.1) < 1e-6

@@ -35,7 +35,7 @@ def test_hull_is_closed_convex_and_holds_all_points_in_any_order(points, random)
         return
     assert again.vertices.tobytes() == hull.vertices.tobytes()
     assert again.triangles.tolist() == hull.triangles.tolist()
-    assert hull.closed()
+    assert hull.is_closed()
     assert hull.volume() > 0
     assert {*map(tuple, hull.vertices.tolist())} <= {*map(tuple, (points + 0.0).tolist())}
     lengths = np.linalg.norm(hull.normals(), axis=1, keepdims=True)
@@ -82,7 +82,7 @@ def beyond(first, second):
 def test_capped_hull_is_convex_closed_and_has_no_more_vertices(seed, count, cap):
     hull = capped_hull(cloud(seed, count), cap)
     assert len(hull.vertices) <= cap
-    assert hull.closed()
+    assert hull.is_closed()
     assert beyond(hull, hull) == pytest.approx(0, abs=1e-12)
     assert len(convex_hull(hull.vertices).vertices) == len(hull.vertices)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.formats.meshes.surface import Surface, moved
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.collide import cut_pieces
 from linkwright.stages.mesh.collide.acceptance import miss
 from linkwright.stages.mesh.collide.merge_across_parts import merge_across_parts
@@ -66,7 +66,7 @@ def kinds(made):
 )
 @pytest.mark.parametrize("pose", mostly_slow([np.eye(4), ASKEW], 1), ids=["straight", "askew"])
 def test_plain_part_is_one_piece(mesh, rung, pose):
-    made = make(moved(of_mesh(mesh), pose))
+    made = make(transform_surface(of_mesh(mesh), pose))
     assert (made.rung, len(made.pieces), made.meets) == (rung, 1, True)
     assert miss(made.measures, made.tolerance) <= 1
 

@@ -9,7 +9,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.stages.formats.meshes.surface import Surface, moved, weld
+from linkwright.stages.formats.meshes.surface import Surface, transform_surface, weld
 from linkwright.stages.mesh.measure import Target, is_hopeless, is_near, measure
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import placed, surface_of
@@ -210,7 +210,10 @@ def test_place_and_size_do_not_matter(seed, scale):
     pose[:3, 3] = random.uniform(-1, 1, 3)
     here = judged(part, *pieces)
     stretch = np.diag([scale, scale, scale, 1.0])
-    there = judged(moved(moved(part, stretch), pose), *(placed(moved(p, stretch), pose) for p in pieces))
+    there = judged(
+        transform_surface(transform_surface(part, stretch), pose),
+        *(placed(transform_surface(p, stretch), pose) for p in pieces),
+    )
     assert (there.extra, there.missing) == pytest.approx((here.extra, here.missing), abs=1e-5)
     for name in DISTANCES:
         expected = pytest.approx(getattr(here, name), abs=3 * WITHIN, rel=0.03)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.formats.meshes.surface import Surface, moved, rounded
+from linkwright.stages.formats.meshes.surface import Surface, round_to_single, transform_surface
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mesh.assets import convert_assets, surface
 from linkwright.stages.mesh.files import mesh_file, obj, stl
@@ -51,7 +51,7 @@ def test_file_is_read_back_with_its_volume_and_normals():
     assert mesh.volume == pytest.approx(1)
     stored = np.frombuffer(data[84:], dtype=np.uint8).reshape(12, 50)[:, :12].copy().view("<f4")
     assert np.allclose(stored, mesh.face_normals)
-    shape = collider(moved(CUBE, np.diag([0.1, 0.2, 0.3, 1])))
+    shape = collider(transform_surface(CUBE, np.diag([0.1, 0.2, 0.3, 1])))
     mesh = reread(shape.data)
     assert (shape.faces, shape.vertices, shape.colour) == (12, 8, None)
     assert (shape.volume, shape.area) == pytest.approx((mesh.volume, mesh.area), rel=1e-6)
@@ -60,8 +60,8 @@ def test_file_is_read_back_with_its_volume_and_normals():
 def test_mirroring_transform_keeps_the_outside_outside():
     mirror = np.diag([-2.0, 1, 1, 1])
     mirror[:3, 3] = [1, 2, 3]
-    turned = moved(CUBE, mirror)
-    assert turned.volume() == moved(CUBE, np.diag([2.0, 1, 1, 1])).volume() == pytest.approx(2)
+    turned = transform_surface(CUBE, mirror)
+    assert turned.volume() == transform_surface(CUBE, np.diag([2.0, 1, 1, 1])).volume() == pytest.approx(2)
     assert turned.vertices.min(axis=0) == pytest.approx([-1, 2, 3])
 
 
@@ -75,7 +75,7 @@ def test_triangles_smaller_than_single_precision_are_not_written():
 @pytest.mark.parametrize("place", [(0, 0, 0), (3, -2, 1)])
 def test_flat_visual_gets_a_back_that_mujoco_accepts(size, place):
     pose = from_parts(rotation_from_rpy((0, 0.7, 0)), np.array(place, dtype=float))
-    (part,) = visuals(moved(square(size), pose), RED)
+    (part,) = visuals(transform_surface(square(size), pose), RED)
     assert part.faces == 4
     assert compiles(part.data)
     heights = ((reread(part.data).triangles.reshape(-1, 3) - place) @ pose[:3, :3])[:, 2]
@@ -126,7 +126,7 @@ def lump(seed):
     rng = np.random.default_rng(seed)
     mesh = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
     points = mesh.vertices * (1 + 0.3 * rng.random((len(mesh.vertices), 1))) * 10.0 ** rng.integers(-4, 4)
-    return rounded(Surface(points, np.asarray(mesh.faces).astype(np.int64)))
+    return round_to_single(Surface(points, np.asarray(mesh.faces).astype(np.int64)))
 
 
 @pytest.mark.parametrize("seed", range(4))

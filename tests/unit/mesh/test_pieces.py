@@ -35,7 +35,7 @@ def test_surface_of_a_primitive_has_its_volume_and_distance(kind):
     mesh = trimesh.Trimesh(surface.vertices, surface.triangles, process=False)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
-    assert surface.closed()
+    assert surface.is_closed()
     assert mesh.volume == pytest.approx(primitive_volume(kind, shape.size), rel=1e-12)
     assert pieces.volume(shape) == primitive_volume(kind, shape.size)
     assert (pieces.vertices(shape), pieces.vertices(surface)) == (0, len(surface.vertices))

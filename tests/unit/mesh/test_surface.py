@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from linkwright.stages.formats.meshes.surface import _SKEW, Surface, weld
+from linkwright.stages.formats.meshes.surface import _SKEW_DIRECTION, Surface, weld
 from linkwright.stages.mesh.surfaces.inside import InsideTest
 from linkwright.stages.mesh.surfaces.rays import LineGrid
 from tests.support.fidelity import solid_angles
@@ -89,7 +89,7 @@ def test_any_closed_soup_is_counted_as_its_winding_number(seed):
 
 
 def test_inside_of_an_open_surface_is_that_of_most_directions():
-    assert not HOLED.closed()
+    assert not HOLED.is_closed()
     assert_clear(HOLED, points_in(HOLED, 600), 0.2)
 
 
@@ -149,16 +149,16 @@ def test_cones_are_sixths_of_determinants(surface, apex):
 def test_closed_is_every_edge_as_often_in_either_sense(surface):
     edges = Counter((row[k], row[(k + 1) % 3]) for row in surface.triangles.tolist() for k in range(3))
     as_often = all(edges[a, b] == edges[b, a] for a, b in edges)
-    assert surface.closed() == (bool(edges) and as_often)
+    assert surface.is_closed() == (bool(edges) and as_often)
 
 
 def test_box_is_closed_and_without_a_face_it_is_open():
-    assert BOX.closed()
+    assert BOX.is_closed()
     assert BOX.volume() == 6.0
     assert BOX.area() == 22.0
     assert BOX.flipped().volume() == -6.0
     lacking = Surface(BOX.vertices, BOX.triangles[1:])
-    assert not lacking.closed()
+    assert not lacking.is_closed()
     assert lacking.volume() == 0.0
 
 
@@ -169,7 +169,7 @@ def test_near_points_become_one_and_triangles_are_in_order(kind):
     if kind == "far":
         points += [1000.0, -20.0, 3.0]
     if kind == "across the skew line":
-        first, second = np.linalg.svd([_SKEW])[2][1:]
+        first, second = np.linalg.svd([_SKEW_DIRECTION])[2][1:]
         points = rng.integers(0, 5, (60, 1)) / 50 * first + rng.integers(0, 9, (60, 1)) * 0.9e-8 * second
     if kind == "at one place":
         points = np.full((60, 3), 0.1) + rng.integers(0, 2, (60, 1)) * [[1e-9, 0, 0]]
