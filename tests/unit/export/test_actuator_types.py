@@ -3,6 +3,7 @@
 import importlib.metadata
 import math
 import re
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 
 from linkwright.pipeline.run.preflight import plan_problems
 from linkwright.stages.robot.model.actuation import Actuation
-from linkwright.stages.robot.model.robot import Dynamics, Limits
+from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits
 from tests.support.building import plan_of, write
-from tests.support.exports import compiled, exported, failing
+from tests.support.exports import exported, failing
 from tests.support.pendulums import (
     ACROSS,
     ARM,
@@ -123,16 +124,6 @@ def test_target_of_an_intvelocity_moves_at_its_control():
     assert data.act[0] == -1.0
 
 
-def test_intvelocity_without_limits_has_a_wide_range():
-    turn = joint("revolute", "base", "arm", [0.7], place=ACROSS)
-    robot = robot_with([turn], inertials={"arm": lump(MASS, ARM, 0, 0)})
-    model = compiled(exported(robot, actuators={"*": {"type": "intvelocity", "gear": 3}}))
-    assert list(model.actuator_actrange[0]) == [-3e6, 3e6]
-    for key in range(model.nkey):
-        data = state(model, key)
-        assert data.qfrc_actuator[0] == pytest.approx(data.qfrc_bias[0], rel=1e-9)
-
-
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_damper_slows_a_sledge_as_the_closed_form_says(share):
     """m v' = −share · kv · v."""
@@ -192,14 +183,35 @@ def test_dc_motor_has_its_stall_torque_and_its_no_load_speed(gear):
         assert data.qfrc_actuator[0] == pytest.approx(torque * gear, abs=1e-9)
 
 
-@since(3, 7)
-@pytest.mark.parametrize(
-    "entry", [{"type": "dcmotor", "nominal": [12, 30, 5]}, {**DC, "motorconst": [0.4, 0.9], "gear": 20}]
-)
-def test_voltage_at_home_holds_the_weight(entry):
-    model = driven_model(pendulum(saved=0.4), entry)
-    data = state(model, "home")
-    assert data.qfrc_actuator[0] == pytest.approx(HEAVY * math.cos(0.4), rel=1e-9)
+HOLDING = [
+    {"type": "position", "kp": 60, "kv": 8},
+    {"type": "intvelocity", "kp": 60, "kv": 8},
+    {"type": "motor"},
+    {"type": "motor", "gear": 7},
+    {"type": "general", "gainprm": [3]},
+    {"type": "general", "gainprm": [900], "biastype": "affine", "biasprm": [2, -900, -40]},
+    pytest.param({"type": "dcmotor", "nominal": [12, 30, 5]}, marks=since(3, 7)),
+    pytest.param({**DC, "motorconst": [0.4, 0.9], "gear": 20}, marks=since(3, 7)),
+]
+
+
+@pytest.mark.parametrize("entry", HOLDING)
+def test_controls_of_each_keyframe_hold_it(entry):
+    """A motor's control is the weight: the pose is in balance, if not stable. A servo's is a target beyond
+    the pose, by what it sags."""
+    robot = replace(pendulum(saved=0.4), keyframes=(Keyframe("up", (("arm_joint", -0.7),)),))
+    model = driven_model(robot, entry)
+    assert model.nkey == 3
+    for key, angle in (("cad", 0.4), ("home", 0.4), ("up", -0.7)):
+        data = state(model, key)
+        assert data.qfrc_bias[0] == pytest.approx(HEAVY * math.cos(angle), rel=1e-12)
+        assert data.qfrc_actuator[0] == pytest.approx(data.qfrc_bias[0], rel=1e-9)
+
+
+def test_intvelocity_without_limits_has_a_wide_range():
+    turn = joint("revolute", "base", "arm", [0.7], place=ACROSS)
+    model = driven_model(robot_with([turn]), {"type": "intvelocity", "gear": 3})
+    assert list(model.actuator_actrange[0]) == [-3e6, 3e6]
 
 
 @since(3, 5)

@@ -29,7 +29,7 @@ from tests.support.pendulums import (
     targeted,
 )
 from tests.support.robots import at, joint, robot_with
-from tests.support.states import run, state
+from tests.support.states import run
 
 
 def pair():
@@ -199,21 +199,6 @@ def test_gear_keeps_the_stiffness_at_the_dof(gear):
     stiff = model.actuator("arm_joint").gainprm[0] * gear**2
     assert stiff == pytest.approx(plain.actuator("arm_joint").gainprm[0], rel=5e-3)
     assert at_home(model, 3.0).qpos[0] == pytest.approx(0.3, abs=0.01)
-
-
-@pytest.mark.parametrize("entry", [
-    {"type": "motor"},
-    {"type": "motor", "gear": 7},
-    {"type": "general", "gainprm": [3]},
-    {"type": "general", "gainprm": [900], "biastype": "affine", "biasprm": [2, -900, -40]},
-])  # fmt: skip
-def test_control_at_home_holds_it(entry):
-    """A motor's control is the weight: the pose is in balance, if not stable. A servo's is a target beyond
-    the pose, by what it sags."""
-    model = driven_model(pendulum(saved=0.4), entry)
-    data = state(model, "home")
-    assert data.qfrc_bias[0] == pytest.approx(MASS * GRAVITY * ARM * math.cos(0.4), rel=1e-12)
-    assert data.qfrc_bias[0] - data.qfrc_actuator[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_velocity_servo_drifts_slowly_and_follows_its_speed():

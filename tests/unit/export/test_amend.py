@@ -20,6 +20,8 @@ from tests.support.states import pose_of, state
 from tests.unit.export.test_scene import arm
 from tests.unit.export.test_standing import geometry_of
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 BALL = "<body name='ball' pos='1 0 1'><freejoint name='rolls'/><geom size='0.1'/></body>"
 SERVOS = {"*": "position"}
 

@@ -124,7 +124,7 @@ def test_frames_are_sites_and_links_on_fixed_joints(kit, tmp_path):
     assert np.abs(pose_of(site) - expected).max() < 1e-9
 
 
-def test_one_format_alone_is_written_alone(kit):
+def test_files_are_those_of_the_chosen_formats(kit):
     kit.elbow(value=0.3)
     robot = robot_of(kit.document)
     urdf, mjcf = (exported(robot, export={name: {}}) for name in ("urdf", "mjcf"))

@@ -21,6 +21,8 @@ from tests.support.robots import at, joint, loop, pose, robot_with, some_values
 from tests.support.states import run, state
 from tests.support.touching import ball
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 PLACES = [pose(np.random.default_rng(seed)) for seed in range(6)]
 KEEP = {"mjcf": {"fixed_joints": "keep"}, "urdf": {}}
 
@@ -101,7 +103,7 @@ def geoms_of(model):
     return np.array(sorted(np.hstack([data.geom_xpos, data.geom_xmat]).tolist()))
 
 
-def test_what_is_fixed_to_a_root_called_world_has_a_body(tmp_path):
+def test_link_fixed_to_a_root_called_world_has_a_body(tmp_path):
     robot, geometry = arm("world")
     engine = written(robot, geometry, tmp_path)
     assert sorted(bodies(engine)) == ["arm", "hand", "mast"]

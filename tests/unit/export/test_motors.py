@@ -16,8 +16,7 @@ from linkwright.stages.graph.passes.limits.joint_limits import with_properties
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.robot import Limits
-from tests.fake_onshape.sample import sample_document
-from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.exports import compiled, exported, failing, messages_of
 from tests.support.pendulums import ACROSS, at_home, both, lump, pendulum, problem
 from tests.support.reported import only
@@ -205,24 +204,6 @@ def class_of(outcome, name):
     return node.get("class")
 
 
-def test_motor_of_a_joint_of_the_sample_has_its_values_and_class():
-    """The sample's own `joints: "*"` gives damping, friction, armature, effort and velocity to all joints."""
-    dynamics = {"damping": 0.1, "friction": 0.02, "armature": 0.01, "effort": 20, "velocity": 3}
-    plan = plan_of(joints={"*": dynamics}, actuators={"*": "position", "elbow": {"motor": "sts3215"}})
-    outcome = export(robot_of(sample_document(), plan), NO_MESHES, plan)
-    values = {name: value.value for name, value in plan.motors["sts3215"].values.items()}
-    model = compiled(outcome)
-    elbow, servo = model.joint("elbow"), model.actuator("elbow")
-    resistance = values["damping"] + values["back_emf"]
-    assert elbow.damping[0] == pytest.approx(resistance, rel=1e-12)
-    assert (elbow.frictionloss[0], elbow.armature[0]) == (values["friction"], values["armature"])
-    assert list(model.jnt_actfrcrange[elbow.id]) == [-values["effort"], values["effort"]]
-    assert list(servo.biasprm[1:3]) == [-values["kp"], -values["kv"]]
-    shoulder = model.joint("shoulder")
-    assert (shoulder.damping[0], shoulder.armature[0]) == (0.1, 0.01)
-    assert class_of(outcome, "elbow") == "sts3215"
-
-
 @pytest.mark.parametrize(
     ("values", "name"), [({}, "own"), ({"effort": 5.0}, "hinge"), ({"effort": 8.0}, "own")]
 )
@@ -329,17 +310,12 @@ def test_plan_of_a_motor_has_its_content():
 
 
 def test_joints_of_a_robots_file_win_over_its_motors():
-    plan = plan_of(
-        joints={"elbow": {"rotor_inertia": 1e-5, "gear": 50, "effort": 12}},
-        actuators={"elbow": {"motor": "mx106"}},
-    )
-    robot = robot_of(sample_document(), plan)
-    table = json.loads(export(robot, NO_MESHES, plan).files["robot.json"])
-    (elbow,) = (dof for entry in table["joints"] for dof in entry["dofs"] if dof["name"] == "elbow")
-    assert (elbow["armature"], elbow["effort"]) == (pytest.approx(0.025), 12)
-    assert (elbow["provenance"]["armature"], elbow["provenance"]["effort"]) == ("given", "given")
-    assert elbow["velocity"] == 5.096
-    assert elbow["provenance"]["velocity"].startswith("motor mx106: ")
+    joints = {"arm_joint": {"rotor_inertia": 1e-5, "gear": 50, "effort": 12}}
+    plan = plan_of(joints=joints, actuators={"arm_joint": {"motor": "mx106"}})
+    dof = dof_of(export(with_properties(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan))
+    assert (dof["armature"], dof["effort"], dof["velocity"]) == (pytest.approx(0.025), 12, 5.096)
+    assert (dof["provenance"]["armature"], dof["provenance"]["effort"]) == ("given", "given")
+    assert dof["provenance"]["velocity"].startswith("motor mx106: ")
 
 
 def test_control_of_a_motor_on_a_slide_is_its_turn():

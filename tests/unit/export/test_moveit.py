@@ -139,7 +139,7 @@ def test_launch_file_starts_move_group_with_its_parameters(fixed, tmp_path, monk
     assert [node.executable for node in quiet] == ["move_group"]
 
 
-def test_without_position_control_moveit_only_plans(tmp_path, monkeypatch):
+def test_moveit_only_plans_without_position_control(tmp_path, monkeypatch):
     robot = chain(3)
     package = made(robot, tmp_path, actuators={"*": "motor"})
     check(package)
@@ -149,7 +149,7 @@ def test_without_position_control_moveit_only_plans(tmp_path, monkeypatch):
     assert messages_of(exported(robot, export={"ros2": {}}, actuators={"*": "motor"}), "I-ROS2-MOVEIT")
 
 
-def test_package_has_a_name_and_is_left_out_without_moving_joints(tmp_path):
+def test_package_is_named_and_left_out_without_moving_joints(tmp_path):
     assert moveit_of(made(chain(3), tmp_path / "a", ros2={"moveit": False})) is None
     still = robot_with([joint("fixed", "base", "top")])
     assert moveit_of(made(still, tmp_path / "b")) is None

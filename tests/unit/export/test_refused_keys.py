@@ -56,7 +56,12 @@ ACTUATORS = [
     ({"type": "servo"}, "", "intvelocity"),
     ({"type": "none", "motor": "sts3215"}, "", "type none takes nothing else; not motor"),
 ]
-EFFORT = {"value": 3, "source": "me", "kind": "measured"}
+
+
+def effort(value):
+    return {"title": "x", "values": {"effort": value}}
+
+
 MOTORS = [
     ({"values": {}}, ".title", "missing"),
     (motor(torque=3), "", "torque is not a quantity of a motor: there are gear"),
@@ -65,14 +70,10 @@ MOTORS = [
     (motor(effort=-1), "", "greater than or equal to 0"),
     (motor(armature=1, rotor_inertia=1, gear=2), "", "give only one"),
     (motor(rotor_inertia=1), "", "rotor_inertia needs the gear"),
-    (
-        {"title": "x", "values": {"effort": {"value": 3, "kind": "measured"}}},
-        ".values.effort.source",
-        "missing",
-    ),
-    ({"title": "x", "values": {"effort": EFFORT | {"source": ""}}}, "", "not be empty"),
-    ({"title": "x", "values": {"effort": EFFORT | {"kind": "guess"}}}, "", "datasheet"),
-    ({"title": "x", "values": {"effort": 3}}, "", "must be a mapping"),
+    (effort({"value": 3, "kind": "measured"}), ".values.effort.source", "missing"),
+    (effort({"value": 3, "source": "", "kind": "measured"}), "", "not be empty"),
+    (effort({"value": 3, "source": "me", "kind": "guess"}), "", "datasheet"),
+    (effort(3), "", "must be a mapping"),
     ({**motor(effort=1), "type": "dcmotor"}, "", "intvelocity"),
     ({**motor(effort=1), "price": 3}, ".price", ""),
 ]
@@ -181,21 +182,17 @@ UNFIT_SENSORS = [
 
 
 UNFIT = [
-    *(
-        (robot, {"actuators": entries}, code, "actuators", words)
-        for robot, entries, code, *words in UNFIT_ACTUATORS
-    ),
-    *(
-        (arm(), {"sensors": entries}, code, f"sensors.{where}", words)
-        for entries, code, where, *words in UNFIT_SENSORS
-    ),
+    (robot, {"actuators": rows}, code, "actuators", words) for robot, rows, code, *words in UNFIT_ACTUATORS
+]
+UNFIT += [
+    (arm(), {"sensors": rows}, code, f"sensors.{where}", words) for rows, code, where, *words in UNFIT_SENSORS
 ]
 
 
 @pytest.mark.parametrize(
     ("robot", "keys", "code", "where", "words"), UNFIT, ids=lambda value: str(value)[:40]
 )
-def test_an_entry_that_does_not_fit_the_robot_is_refused(robot, keys, code, where, words):
+def test_entry_that_does_not_fit_the_robot_is_refused(robot, keys, code, where, words):
     with pytest.raises(ExportError) as error:
         exported(robot, solid(robot), **keys)
     (problem,) = error.value.problems

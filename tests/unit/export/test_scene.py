@@ -64,7 +64,7 @@ VALUES = {
 
 
 @pytest.mark.parametrize("name", VALUES)
-def test_an_option_is_that_of_the_model(tmp_path, name):
+def test_option_is_that_of_the_model(tmp_path, name):
     model, world, robot = scene(tmp_path, scene={"option": {name: VALUES[name]}})
     np.testing.assert_allclose(getattr(model.opt, name), VALUES[name])
     assert (f' {name}="' in "".join(re.findall("<option.*", robot))) == (name in ROBOT_FILE_OPTIONS)

@@ -244,7 +244,7 @@ def test_links_that_only_nearly_touch_are_not_said_to_stay_apart(gap, apart, tmp
     assert (reasons.get(("base", "two")) == "Never") == apart
 
 
-def test_a_merged_link_brings_its_pairs_along(read):
+def test_merged_link_brings_its_pairs_along(read):
     cover = joint("fixed", "lower", "cover", place=at(0, 0, 0.1))
     robot = arm(cover, shapes={"cover": (ball(0.03),)})
     geometry = geometry_of(robot)

@@ -151,7 +151,7 @@ def test_armature_goes_to_others_if_the_failing_joint_has_one():
     assert remark.code == "W-ARMATURE"
 
 
-def test_where_no_armature_helps_none_is_added():
+def test_armature_that_does_not_help_is_not_added():
     arm = joint("revolute", "base", "arm", [0.0])
     tries = []
 

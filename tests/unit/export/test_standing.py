@@ -20,10 +20,10 @@ from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits, Primitive, frozen
 from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import NO_MESHES, plan_of, write
-from tests.support.exports import compiled, exported, failing
+from tests.support.exports import compiled, exported
 from tests.support.pendulums import ARM, GRAVITY, MASS, at_home, lump, pendulum
 from tests.support.robots import at, joint, robot_with
-from tests.support.states import run, state
+from tests.support.states import state
 from tests.support.touching import NO_FILES, ball, box, no_memo
 
 TURN = st.floats(-3.0, 3.0)
@@ -209,18 +209,6 @@ def test_joints_and_ground_balance_the_whole_robot(tmp_path, ahead):
 def test_robot_that_stands_nowhere_has_its_targets_at_the_pose(tmp_path, ahead, keys):
     key = scene_of(dog(ahead), tmp_path, actuators={"*": "position"}, **keys).key("home")
     assert key.ctrl == pytest.approx(key.qpos[7:], abs=1e-12)
-
-
-def test_each_keyframe_is_held_with_soft_servos(tmp_path):
-    robot = replace(pendulum(saved=0.4), keyframes=(Keyframe("up", (("arm_joint", -0.7),)),))
-    for kind in ("position", "intvelocity", "motor"):
-        entry = {"type": kind} if kind == "motor" else {"type": kind, "kp": 60, "kv": 8}
-        model = compiled(exported(robot, actuators={"*": entry}))
-        for key in range(model.nkey):
-            data = run(model, state(model, key), 0.002 if kind == "motor" else 4.0)
-            assert data.qpos[0] == pytest.approx(model.key(key).qpos[0], abs=1e-9)
-    plan = plan_of(actuators={"*": {"type": "position", "kp": 60}})
-    assert failing(tmp_path, write(robot, tmp_path, plan), plan) == []
 
 
 def test_control_range_includes_the_target_that_holds_home():

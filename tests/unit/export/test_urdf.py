@@ -31,6 +31,8 @@ from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_arou
 from tests.support.states import pose_of, state
 from tests.unit.export.test_mjcf_fused import PLACES, arm
 
+pytestmark = pytest.mark.usefixtures("no_score")
+
 SEVERAL = {
     "cylindrical": ("slide", "turn"), "planar": ("x", "y", "turn"), "pin_slot": ("slide", "turn"),
     "parallel": ("x", "y", "z", "turn"), "ball": ("x", "y", "z"),

@@ -70,7 +70,7 @@ def test_points_are_those_of_pycollada():
     ("<translate>0 0 1</translate>", "<translate>0 one</translate>"),
     ("<translate>0 0 1</translate>", "<skew>45 0 1 0 1 0 0</skew>"),
 ])  # fmt: skip
-def test_a_file_that_is_not_whole_is_damaged(old, new):
+def test_file_that_is_not_whole_is_damaged(old, new):
     assert old in DAE
     with pytest.raises(Damaged):
         dae_points(DAE.replace(old, new).encode())

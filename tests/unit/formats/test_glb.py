@@ -175,7 +175,7 @@ def test_bytes_do_not_depend_on_the_seed_of_hashes():
     assert len({subprocess.check_output(command, env=environ) for environ in environs}) == 1
 
 
-def test_what_has_what_it_claims_is_read():
+def test_gltf_with_all_that_it_claims_is_read():
     scene = trimesh.Scene([trimesh.creation.box(), trimesh.creation.icosphere()])
     scene.add_geometry(trimesh.creation.cone(0.1, 0.2), parent_node_name="geometry_0")
     files = trimesh.exchange.gltf.export_gltf(scene)
@@ -204,13 +204,13 @@ def test_what_has_what_it_claims_is_read():
     ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
     ({"meshes": 7}, "damaged"),
 ])  # fmt: skip
-def test_what_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
+def test_gltf_that_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
     monkeypatch.setattr(gltf, "_MAX_NUMBERS", 100_000)
     with pytest.raises(Unreadable, match=why):
         read(changed(**changes), "a.gltf", Companions())
 
 
-def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
+def test_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
     monkeypatch.setattr(gltf_claims, "MAX_VALUES", 100)
     with pytest.raises(Unreadable, match="larger than the limit"):
         read(b'{"nodes":[' + b"[]," * 1000 + b"[]]}", "a.gltf", Companions())
@@ -218,7 +218,7 @@ def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
         read(b"[" * 100_000, "a.gltf", Companions())
 
 
-def test_a_buffer_beside_the_file_is_measured():
+def test_buffer_beside_the_file_is_measured():
     reply = drawn(studio().parts[:1], appearances=True)
     data, buffer = tree(reply), reply[28 + struct.unpack_from("<I", reply, 12)[0] :]
     data["buffers"] = [{"byteLength": len(buffer), "uri": "a%20b.bin"}]

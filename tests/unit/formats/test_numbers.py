@@ -27,11 +27,11 @@ def test_numbers_are_as_short_as_they_can_be(value, text):
     ([3e-13, 0.0, 0.0], LENGTH, "3e-13 0 0"),
     ([3e-13, -0.0, 200.0], LENGTH, "0 0 200"),
 ])  # fmt: skip
-def test_noise_beside_a_large_entry_or_below_the_least_value_is_zero(values, least, text):
+def test_noise_beside_a_large_entry_or_below_the_least_is_zero(values, least, text):
     assert spaced(values, **({} if least is None else {"least": least})) == text
 
 
-def test_the_least_value_depends_on_the_kind_of_a_dof():
+def test_least_value_depends_on_the_kind_of_a_dof():
     assert number(-9e-13, least=TURN) == "0"
     assert number(-9e-13, least=least_of("slide")) == "-9e-13"
     assert [least_of(kind) for kind in ("turn", "slide", "ball")] == [TURN, LENGTH, TURN]
@@ -53,7 +53,7 @@ def test_each_entry_is_within_the_tolerance_of_the_largest(values):
 )
 @example(1e16, None)
 @example(999999.0, 1e12)
-def test_the_text_is_the_shortest_that_is_near_enough(value, scale):
+def test_text_is_the_shortest_that_is_near_enough(value, scale):
     """Tries each number of digits, from 1 on."""
     tolerance = TOLERANCE * (abs(value) if scale is None else scale)
     texts = [f"{value:.{digits}g}" for digits in range(1, 18)]

@@ -50,14 +50,14 @@ def test_carried_images_are_those_that_mujoco_reads(colour, depth, interlace):
         assert (png.problem(bad), accepted(bad)) == ("it is damaged: its pixels are incomplete", False)
 
 
-def test_a_bit_that_flips_is_seen_before_mujoco_sees_it():
+def test_bit_that_flips_is_seen_before_mujoco_sees_it():
     good = image()
     for place in range(len(good)):
         bad = good[:place] + bytes([good[place] ^ 4]) + good[place + 1 :]
         assert png.problem(bad)
 
 
-def test_a_bomb_is_not_inflated():
+def test_bomb_is_not_inflated():
     stream = zlib.compressobj()
     packed = b"".join([*(stream.compress(bytes(1 << 20)) for _ in range(8)), stream.flush()])
     header = struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0)

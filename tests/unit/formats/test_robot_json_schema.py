@@ -49,7 +49,7 @@ def holds(data):
 
 
 @pytest.mark.parametrize("keys", [{}, ADDED], ids=["plain", "everything"])
-def test_the_sample_is_as_the_schema_says(keys):
+def test_sample_is_as_the_schema_says(keys):
     plan = plan_of(**keys)
     outcome = export(robot_of(sample_document(), plan), NO_MESHES, plan)
     holds(outcome.files["robot.json"])
@@ -66,7 +66,7 @@ def test_other_robots_are_as_the_schema_says():
 
 
 @pytest.mark.parametrize("case", ["tendons", "loose", "ellipsoids"])
-def test_a_robot_of_an_mjcf_is_as_the_schema_says(case, tmp_path):
+def test_robot_of_an_mjcf_is_as_the_schema_says(case, tmp_path):
     built(written(tmp_path, model(*CASES[case])), tmp_path / "out")
     assert holds((tmp_path / "out/robot.json").read_bytes())["mjcf"]["bodies"]
 
@@ -79,7 +79,7 @@ def test_a_robot_of_an_mjcf_is_as_the_schema_says(case, tmp_path):
     (lambda t: t["root_pose"].update(quat="x"), ["root_pose", "quat"]),
     (lambda t: t.update(surprise=1), []),
 ])  # fmt: skip
-def test_a_table_that_breaks_the_schema_is_refused(change, place):
+def test_table_that_breaks_the_schema_is_refused(change, place):
     table = json.loads(text(whole(0)))
     change(table)
     (error,) = validator().iter_errors(table)

@@ -25,7 +25,7 @@ def body(**changes):
     return dataclasses.replace(made, **changes)
 
 
-def test_a_body_without_textures_has_only_points_triangles_and_colours():
+def test_body_without_textures_has_no_coordinates_of_an_image():
     header = b'{"bodies":[{"id":"b","points":4,"triangles":4,"palette":[[1.0,0.0,0.0,1.0]]}]}'
     arrays = (array.tobytes() for array in (PLAIN.points, PLAIN.triangles, PLAIN.colours))
     data = body_arrays.encode([PLAIN])
@@ -49,7 +49,7 @@ def test_textures_and_coordinates_come_back_exactly():
     assert list(body_arrays.decode(data, ["c"])) == ["c"]
 
 
-def test_a_texture_that_no_triangle_has_is_left_out():
+def test_texture_that_no_triangle_has_is_left_out():
     made = body_arrays.merged("a", POINTS, CORNERS, [RED, RED], np.zeros(4, dtype=np.int64), ["", IMAGE], UV)
     assert (made.textures, made.texcoords) == ((), None)
 

@@ -14,7 +14,7 @@ from tests.support.mujoco_schema import schema
     ("<g:a/>", ["<g:a/>"]),
     ("<a x='&lt;&#233;'/>", ['<a x="&lt;é"/>']),
 ])  # fmt: skip
-def test_a_fragment_is_its_elements(text, elements):
+def test_fragment_is_its_elements(text, elements):
     assert [to_text(element) for element in fragment(text)] == elements
 
 
@@ -31,7 +31,7 @@ def test_a_fragment_is_its_elements(text, elements):
     ("<a>&x;</a>", "line 1, column 7: Entity 'x' not defined"),
     ("<a/></linkwright.fragment><linkwright.fragment>", "line 1, column"),
 ])  # fmt: skip
-def test_the_fault_of_a_text_is_named_with_line_and_column(text, place):
+def test_fault_of_a_text_is_named_with_line_and_column(text, place):
     with pytest.raises(Malformed) as caught:
         fragment(text)
     assert caught.value.quoted_place.startswith(place)
@@ -49,7 +49,7 @@ def test_the_fault_of_a_text_is_named_with_line_and_column(text, place):
     ("<a secret\x01='1'/>", "line 1"),
     ("<?secret", "line 1"),
 ])  # fmt: skip
-def test_a_fault_is_described_without_a_word_of_the_text(text, place):
+def test_fault_is_described_without_a_word_of_the_text(text, place):
     with pytest.raises(Malformed) as caught:
         fragment(text)
     assert caught.value.place.startswith(place)
@@ -76,7 +76,7 @@ def test_every_element_of_mujoco_is_known():
     ("<sitee/>", None),
     ("<site/><gazebo_/>", None),
 ])  # fmt: skip
-def test_the_format_is_told_from_the_elements(text, language):
+def test_format_is_told_from_the_elements(text, language):
     elements = fragment(text)
     assert language_of(elements) == language
     assert (unknown_tag(elements) != "") == (language is None or ":" in text)

@@ -29,7 +29,7 @@ NEEDS_PID = pytest.mark.skipif(
 
 
 @NEEDS_PID
-def test_an_actuator_after_others_of_several_controls_has_its_own_range():
+def test_actuator_after_one_of_several_controls_has_its_range():
     model = mujoco.MjModel.from_xml_string(TWO_CONTROLS)
     assert (model.nu, actuator_count(model), count_of(model, OBJ.mjOBJ_ACTUATOR)) == (3, 2, 2)
     assert [controls_of(model, index) for index in range(2)] == [range(2), range(2, 3)]
@@ -58,12 +58,12 @@ def test_controls_are_counted_as_mujoco_does(tag, inputs, count):
     assert mujoco.MjModel.from_xml_string(file).nu == count == control_count(tag, inputs)
 
 
-def test_what_mujoco_refuses_is_one_error_with_its_reason():
+def test_model_that_mujoco_refuses_is_an_error_with_its_reason():
     with pytest.raises(NotCompiled, match="lost"):
         compiled_text(WRONG, {})
 
 
-def test_the_reason_does_not_name_the_folder(tmp_path):
+def test_reason_does_not_name_the_folder(tmp_path):
     path = tmp_path / "robot.xml"
     path.write_text('<mujoco><asset><mesh file="lost.stl"/></asset></mujoco>')
     with pytest.raises(NotCompiled) as caught:
@@ -72,7 +72,7 @@ def test_the_reason_does_not_name_the_folder(tmp_path):
     assert str(tmp_path) not in str(caught.value)
 
 
-def test_a_floating_joint_of_a_urdf_floats(tmp_path):
+def test_floating_joint_of_a_urdf_floats(tmp_path):
     """MuJoCo itself refuses one below another link than the world."""
     path = tmp_path / "robot.urdf"
     path.write_text(FLOATING)
@@ -97,7 +97,7 @@ def bodies(model: mujoco.MjModel) -> list[str]:
     return [model.body(index).name for index in range(1, model.nbody)]
 
 
-def test_a_document_without_includes_is_what_mujoco_reads(tmp_path):
+def test_document_without_includes_is_what_mujoco_reads(tmp_path):
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
@@ -107,7 +107,7 @@ def test_a_document_without_includes_is_what_mujoco_reads(tmp_path):
     assert names == bodies(compiled_file(tmp_path / "scene.xml")) == list("abcdef")
 
 
-def test_of_what_is_not_read_nothing_is_included():
+def test_file_that_is_not_read_includes_nothing():
     root = parse(FILES["scene.xml"].encode())
     resolve(root, lambda _: None)
     assert list(root.iter("include")) == []
@@ -119,7 +119,7 @@ TEXT = b"""<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></wo
 <keyframe><key name="up" qpos="1"/><key name="home" qpos="0.5" ctrl="0.25"/></keyframe></mujoco>"""
 
 
-def test_the_state_is_that_of_the_keyframe_and_else_qpos0():
+def test_state_is_that_of_the_keyframe_and_else_qpos0():
     model = compiled_text(TEXT, {})
     assert [keyframe_of(model, name) for name in ("up", "home", "lost")] == [0, 1, -1]
     assert [at_keyframe(model, name).qpos[0] for name in ("up", "home", "lost")] == [1, 0.5, 0]

@@ -27,7 +27,7 @@ def poses(*places, turn=None):
     return stacked
 
 
-def test_the_engine_is_coal_where_it_is_installed():
+def test_engine_is_coal_where_it_is_installed():
     pytest.importorskip("coal")
     assert isinstance(clearance.engine(), clearance._Coal)
 
@@ -39,7 +39,7 @@ def test_surfaces_are_near_within_the_margin(engine, gap):
     assert engine.near(cube, cube, pose, 0.002) == (gap <= 0.002)
 
 
-def test_a_mesh_inside_of_a_hollow_is_not_near(engine):
+def test_mesh_inside_of_a_hollow_is_not_near(engine):
     outer, inner = engine.mesh(CUBE, FACES), engine.mesh(0.5 * CUBE, FACES)
     inside, across = engine.poses(poses([0, 0, 0], [0.26, 0, 0]))
     assert not engine.near(outer, inner, inside, 0.002)
@@ -47,7 +47,7 @@ def test_a_mesh_inside_of_a_hollow_is_not_near(engine):
 
 
 @pytest.mark.parametrize("gap", [0.0005, 0.3])
-def test_how_far_surfaces_are_apart(engine, gap):
+def test_distance_of_surfaces_is_that_of_a_closed_form(engine, gap):
     cube = engine.mesh(CUBE, FACES)
     along, corner, cuts = engine.poses(poses([1 + gap, 0.1, 0.2], [1 + gap] * 3, [0.9, 0.1, 0.2]))
     assert engine.distance(cube, cube, along) == pytest.approx(gap, abs=1e-9)
@@ -56,13 +56,13 @@ def test_how_far_surfaces_are_apart(engine, gap):
 
 
 @pytest.mark.parametrize("shift", [0.4, 0.999, 1.0015, 1.5])
-def test_the_depth_of_two_cubes_along_an_axis(engine, shift):
+def test_depth_of_two_cubes_along_an_axis(engine, shift):
     cube = engine.convex(CUBE, FACES)
     (pose,) = engine.poses(poses([0.03, shift, -0.02]))
     assert engine.depth(cube, cube, pose) == pytest.approx(1 - shift, abs=1e-6)
 
 
-def test_the_depth_of_an_edge_in_a_face(engine):
+def test_depth_of_an_edge_in_a_face(engine):
     """A cube that stands on its edge, 0.01 deep in the top of another."""
     half = np.sqrt(0.5)
     turn = np.array([[half, 0, half], [0, 1, 0], [-half, 0, half]])

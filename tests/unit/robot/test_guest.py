@@ -48,11 +48,11 @@ def gone(place: Path) -> bool:
     return processes.gone(map(int, place.read_text().split()))
 
 
-def test_it_answers_what_it_is_asked_and_prints_where_it_likes(run_guest):
+def test_guest_answers_whatever_it_prints(run_guest):
     assert run_guest("print('noise', flush=True)\nreturn request[::-1]", b"abc\n\0") == b"\0\ncba"
 
 
-def test_a_guest_sees_variables_but_no_terminal_or_local_module(run_guest, tmp_path, monkeypatch):
+def test_guest_sees_variables_but_no_terminal_or_local_module(run_guest, tmp_path, monkeypatch):
     (tmp_path / "work").mkdir()
     for name in ("colorsys.py", "usercustomize.py"):
         (tmp_path / "work" / name).write_text("raise SystemExit(9)")
@@ -89,20 +89,20 @@ def test_its_errors_come_back_as_ours(run_guest, kind):
     ("import os\nos.write(3, b'R' + bytes(8) + b'more')\nos._exit(0)", "ended with status 0"),
     ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "reported an invalid error"),
 ])  # fmt: skip
-def test_however_it_ends_it_is_reported_in_words(run_guest, lines, said):
+def test_end_of_a_guest_is_reported_in_words(run_guest, lines, said):
     with pytest.raises(Ended) as caught:
         run_guest(lines)
     assert said in str(caught.value)
 
 
-def test_one_that_takes_too_long_ends_with_all_that_it_started(run_guest, tmp_path):
+def test_slow_guest_ends_with_all_that_it_started(run_guest, tmp_path):
     place = tmp_path / "pids"
     with pytest.raises(Ended, match="took longer than 1 s"):
         run_guest(ENDLESS, str(place).encode(), limited(1))
     assert gone(place)
 
 
-def test_one_that_only_computes_is_given_its_processor_time(run_guest):
+def test_guest_that_only_computes_has_its_processor_time(run_guest):
     """What else the machine does is not counted, but within a limit: `shared` times as much by the clock."""
     waits = "import time\ntime.sleep(1.5)\nreturn b'done'"
     assert run_guest(waits, bounds=limited(1, shared=20)) == b"done"
@@ -112,7 +112,7 @@ def test_one_that_only_computes_is_given_its_processor_time(run_guest):
         run_guest("import time\ntime.sleep(1000)", bounds=limited(0.2, shared=4))
 
 
-def test_one_that_needs_too_much_memory_ends(run_guest):
+def test_guest_that_needs_too_much_memory_ends(run_guest):
     lines = "import time\nheld = b'x' * (400 << 20)\ntime.sleep(1000)"
     with pytest.raises(Ended, match=r"needed more than 0\.22 GB of memory"):
         run_guest(lines, bounds=limited(memory=210 << 20))
@@ -143,7 +143,7 @@ def counted(run_guest):
 
 
 @pytest.mark.parametrize("word", ["crash", "hunger", "garbage"])
-def test_a_guest_stays_but_what_fails_in_it_is_asked_of_a_new_one(counted, word):
+def test_guest_stays_but_what_fails_in_it_is_asked_of_a_new_one(counted, word):
     """So that its result does not depend on what was asked before."""
     first, _ = counted("")
     assert counted("") == (first, 2)
@@ -155,7 +155,7 @@ def test_a_guest_stays_but_what_fails_in_it_is_asked_of_a_new_one(counted, word)
 
 
 @pytest.mark.parametrize("word", ["grow", "die later", "talk later"])
-def test_one_that_grew_died_or_talked_since_is_asked_no_more(counted, word):
+def test_guest_that_grew_died_or_talked_is_asked_no_more(counted, word):
     first, _ = counted(word)
     time.sleep(0.5)
     assert counted("")[1] == 1
@@ -163,7 +163,7 @@ def test_one_that_grew_died_or_talked_since_is_asked_no_more(counted, word):
 
 
 @pytest.mark.slow
-def test_the_time_is_that_of_each_request(run_guest, monkeypatch):
+def test_time_is_that_of_each_request(run_guest, monkeypatch):
     """The kernel's limit too."""
     monkeypatch.setattr(guest, "_PATIENCE", 0.2)
     run_guest("import time\ntime.sleep(0.7)\nreturn b'done'")
@@ -173,7 +173,7 @@ def test_the_time_is_that_of_each_request(run_guest, monkeypatch):
             assert [used.ask(b"") for _ in range(4)] == [b"done"] * 4
 
 
-def test_an_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monkeypatch):
+def test_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monkeypatch):
     place = tmp_path / "pids"
 
     def interrupted(process: int) -> int:
@@ -188,7 +188,7 @@ def test_an_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monk
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it ends when its time is up")
-def test_it_ends_with_us_however_we_end(tmp_path):
+def test_guest_ends_with_its_host_however_that_ends(tmp_path):
     place = tmp_path / "pid"
     lines = f"import os\nopen({str(place)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
     (tmp_path / "visitor.py").write_text("def answer(request):\n    " + lines.replace("\n", "\n    "))
@@ -203,7 +203,7 @@ def test_it_ends_with_us_however_we_end(tmp_path):
     assert gone(place)
 
 
-def test_it_ends_with_the_end_of_its_requests():
+def test_guest_ends_with_the_end_of_its_requests():
     """So it ends with us on every system, once it has nothing to do."""
     head = {"module": "json", "path": sys.path, "seconds": 60, "parent": os.getpid(), "environ": []}
     head["package"] = str(PROJECT)
@@ -212,7 +212,7 @@ def test_it_ends_with_the_end_of_its_requests():
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
-def test_it_finds_us_where_we_are_not_installed(tmp_path):
+def test_guest_finds_a_package_that_is_not_installed(tmp_path):
     """Neither by an installation nor by the working folder: as where PYTHONPATH names a copy."""
     (tmp_path / "visitor.py").write_text(
         "import linkwright.stages\ndef answer(request): return linkwright.stages.__file__.encode()"

@@ -126,7 +126,7 @@ def test_home_does_not_depend_on_the_order_of_joints_and_loops():
 
 
 @pytest.mark.parametrize("kind", EVERY)
-def test_many_poses_at_once_are_those_of_single_rows(kind):
+def test_poses_of_many_rows_are_those_of_single_rows(kind):
     rng = np.random.default_rng(5)
     robot = robot_around(kind, rng, "base", backwards=True)
     rows = [some_values(robot, rng) for _ in range(3)]

@@ -63,7 +63,7 @@ def test_moving_keeps_the_principal_moments(quat, position):
     assert np.allclose(np.linalg.eigvalsh(there.inertia), np.linalg.eigvalsh(body.inertia), rtol=1e-12)
 
 
-def test_a_reflection_mirrors_products_of_inertia():
+def test_reflection_mirrors_products_of_inertia():
     body = Inertial(1.0, frozen([0.1, 0.2, 0.3]), frozen([[2, 0.1, 0.2], [0.1, 3, 0.3], [0.2, 0.3, 4]]))
     there = moved(body, np.diag([-1.0, 1.0, 1.0, 1.0]))
     assert np.allclose(there.com, [-0.1, 0.2, 0.3])
@@ -83,7 +83,7 @@ def same(first: Inertial, other: Inertial, scale: float, rel: float = 1e-12):
     assert np.abs(first.inertia - other.inertia).max() < rel * other.mass * scale**2
 
 
-def test_a_solid_box_anywhere_has_the_closed_form():
+def test_solid_box_anywhere_has_the_closed_form():
     mesh = trimesh.creation.box((0.1, 0.2, 0.4))
     placed = pose((0.3, -0.5, 0.1, 0.8), (3.0, -2.0, 1.0))
     vertices = mesh.vertices @ placed[:3, :3].T + placed[:3, 3]
@@ -92,7 +92,7 @@ def test_a_solid_box_anywhere_has_the_closed_form():
     same(solid_inertia(vertices, mesh.faces[:, ::-1], 700), expected, 0.4, rel=1e-11)
 
 
-def test_a_solid_corner_tetrahedron_has_the_closed_form():
+def test_solid_corner_tetrahedron_has_the_closed_form():
     # Corners 0, e_x, e_y, e_z: V = 1/6, c = 1/4, ∫x² = 1/60, ∫xy = 1/120.
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -101,7 +101,7 @@ def test_a_solid_corner_tetrahedron_has_the_closed_form():
     same(solid_inertia(vertices, triangles, 6), expected, 1.0, rel=1e-14)
 
 
-def test_a_hollow_solid_of_curved_faces_is_what_trimesh_says():
+def test_hollow_solid_of_curved_faces_is_what_trimesh_says():
     outer = trimesh.creation.capsule(height=0.3, radius=0.1, count=[12, 12])
     hole = trimesh.creation.icosphere(subdivisions=1, radius=0.05)
     hole.apply_translation([0.01, 0.02, 0.1])
@@ -114,7 +114,7 @@ def test_a_hollow_solid_of_curved_faces_is_what_trimesh_says():
 
 
 @pytest.mark.parametrize("triangles", [np.zeros((0, 3), dtype=int), np.array([[0, 1, 2], [0, 2, 1]])])
-def test_what_encloses_nothing_is_refused(triangles):
+def test_surface_that_encloses_nothing_is_refused(triangles):
     with pytest.raises(ValueError, match="encloses nothing"):
         solid_inertia(np.eye(3), triangles, 1000)
 
@@ -131,7 +131,7 @@ def test_primitives_have_the_textbook_moments(kind, size, moments, volume):
     assert primitive_volume(kind, size) == pytest.approx(volume)
 
 
-def test_a_capsule_is_the_limit_of_its_meshes():
+def test_capsule_is_the_limit_of_its_meshes():
     mass, radius, length = 2.0, 0.1, 0.3
     capsule = primitive_inertial("capsule", (radius, length), mass)
     errors = []
@@ -164,7 +164,7 @@ def test_principal_axes_are_a_rotation_and_give_the_tensor_again(a, b, c, quat, 
 
 
 @pytest.mark.parametrize("diagonal", [(1.0, 1.0, 1.0), (3.0, 1.0, 2.0), (2.0, 2.0, 1.0), (0.0, 0.0, 0.0)])
-def test_a_diagonal_tensor_keeps_its_axes(diagonal):
+def test_diagonal_tensor_keeps_its_axes(diagonal):
     noise = 1e-17 * max(diagonal) * (np.ones((3, 3)) - np.eye(3))
     principal, axes = principal_axes(np.diag(diagonal) + noise)
     assert (principal == diagonal).all()

@@ -62,7 +62,7 @@ def test_another_salt_draws_poses_that_are_not_these():
 
 
 @pytest.mark.parametrize("cone", [None, 0.6])
-def test_a_ball_fills_its_cone(cone):
+def test_ball_fills_its_cone(cone):
     robot = robot_with([joint("ball", "base", "one", limits={"one_joint": Limits(None, cone)})])
     turns = np.array([rotation_from_quat(quat) for quat in sampled(robot, 2000)["one_joint"]])
     heights, lowest = turns[:, 2, 2], -1.0 if cone is None else math.cos(cone)
@@ -103,7 +103,7 @@ def test_loops_are_closed_within_limits_and_do_not_fold_over():
     assert len(set(np.sign(np.sin(values["loop"])))) == 1
 
 
-def test_a_loop_that_is_open_at_the_start_gives_no_open_poses():
+def test_loop_that_is_open_at_the_start_gives_no_open_poses():
     robot = four_bar({"drive": Limits(0.6, 0.7), "swing": Limits(-3.0, -2.9), "pin": Limits(2.9, 3.0)})
     values = sampled(robot, 20)
     assert all(gap(robot.loops[0], link_poses(robot, row(values, i))) < 1e-6 for i in range(count_of(values)))
@@ -124,7 +124,7 @@ def test_poses_do_not_depend_on_the_order_of_joints():
         np.testing.assert_array_equal(value, second[name])
 
 
-def test_a_new_joint_does_not_change_the_poses_of_others():
+def test_new_joint_does_not_change_the_poses_of_others():
     row = joint("revolute", "base", "one")
     single, both = robot_with([row]), robot_with([joint("ball", "base", "zero"), row])
     np.testing.assert_array_equal(sampled(single)["one_joint"], sampled(both)["one_joint"])

@@ -64,7 +64,7 @@ def urdf(*meshes: str) -> str:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
+def test_special_file_is_neither_opened_nor_read(tmp_path, kind):
     path = made(kind, tmp_path)
     looks = (regular_files.is_file, regular_files.is_special, regular_files.is_endless)
     assert [look(path) for look in looks] == [False, True, True]
@@ -73,7 +73,7 @@ def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
             read(path, 100)
 
 
-def test_a_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
+def test_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"abc")
     assert regular_files.content(path, 3) == b"abc"
@@ -89,14 +89,14 @@ def test_a_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
 
 
 @pytest.mark.skipif(not Path("/proc/self/mountinfo").exists(), reason="there is no /proc")
-def test_what_a_kernel_shows_as_a_file_is_empty(tmp_path):
+def test_file_of_the_kernel_is_empty(tmp_path):
     path = made("kernel", tmp_path)
     assert (regular_files.is_file(path), regular_files.is_endless(path)) == (True, True)
     assert regular_files.content(path, 100) == b""
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
-def test_a_mesh_of_a_urdf(tmp_path, kind):
+def test_mesh_of_a_urdf(tmp_path, kind):
     made(kind, tmp_path)
     source = UrdfSourceSection(path=str(written(tmp_path, urdf("x"), "r.urdf")))
     pinned(plan_of(source), {})
@@ -113,7 +113,7 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
     model("", '<asset><texture file="sub/x.stl"/></asset>'),
     '<mujoco><include file="x.stl"/></mujoco>',
 ])  # fmt: skip
-def test_a_file_of_an_mjcf(tmp_path, kind, text):
+def test_file_of_an_mjcf(tmp_path, kind, text):
     made(kind, tmp_path)
     source = MjcfSourceSection(path=str(written(tmp_path, text)))
     for call in (lambda: pinned(plan_of(source), {}), lambda: gather_mjcf(source)):
@@ -123,7 +123,7 @@ def test_a_file_of_an_mjcf(tmp_path, kind, text):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("keys", SECTIONS)
-def test_the_source_itself(tmp_path, kind, keys):
+def test_source_itself(tmp_path, kind, keys):
     plan = plan_of(keys(path=str(made(kind, tmp_path))))
     with pytest.raises(ConfigError, match="a device, a pipe or a socket"):
         preflight(plan, {})
@@ -132,12 +132,12 @@ def test_the_source_itself(tmp_path, kind, keys):
 
 
 @pytest.mark.parametrize("keys", SECTIONS)
-def test_a_source_larger_than_is_read(tmp_path, keys):
+def test_source_larger_than_is_read(tmp_path, keys):
     with pytest.raises(SourceError, match=r"4398046511104 bytes|longer than 32 MB"):
         pinned(plan_of(keys(path=str(made("huge", tmp_path)))), {})
 
 
-def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
+def test_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
     for name in ("a.stl", "b.stl"):
         (tmp_path / name).write_bytes(bytes(600))
     mjcf = written(tmp_path, model("", '<asset><mesh file="a.stl"/><mesh file="b.stl"/></asset>'))
@@ -149,7 +149,7 @@ def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
             pinned(plan_of(source), {})
 
 
-def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
+def test_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
     (tmp_path / "p").mkdir()
     os.mkfifo(tmp_path / "p" / "package.xml")
     packages = Packages(tmp_path, {}, {"ROS_PACKAGE_PATH": str(tmp_path)})
@@ -157,6 +157,6 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
     assert packages.find("p") == tmp_path / "p"
 
 
-def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
+def test_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
     os.mkfifo(tmp_path / "m.mtl")
     assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n", []) == Companions()

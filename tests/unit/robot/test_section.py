@@ -43,7 +43,7 @@ MEANINGS = {
 }
 
 
-def test_the_text_under_each_field_is_its_meaning():
+def test_text_under_each_field_is_its_meaning():
     assert Inner.meanings() == MEANINGS
     properties = Inner.model_json_schema()["properties"]
     texts = {key: entry["description"] for key, entry in properties.items() if "description" in entry}
@@ -64,6 +64,6 @@ def test_no_source_is_parsed_before_a_meaning_is_asked_for(monkeypatch):
     assert Late.meanings() == {"width": "How wide."}
 
 
-def test_a_section_without_source_has_no_meanings():
+def test_section_without_source_has_no_meanings():
     inside = {"__annotations__": {"width": float}, "width": 1.0, "__module__": "nowhere"}
     assert type("Made", (Section,), inside).meanings() == {}

@@ -23,11 +23,11 @@ from linkwright.stages.robot.text.printable import printable, printable_lines
     ("  KD-D-102L (copy) <1>", "kd_d_102l_copy"), ("Ärmel & Öse", "armel_ose"), ("dof_a&b", "dof_a_b"),
     ("腕 <1>", ""), ("Left arm", "left_arm"),
 ])  # fmt: skip
-def test_what_a_designer_types_becomes_a_legal_name(typed, name):
+def test_typed_name_becomes_legal(typed, name):
     assert legal(typed) == name
 
 
-def test_the_shortest_tail_that_is_unique_names_it():
+def test_shortest_tail_that_is_unique_names_it():
     paths = {"a": ("leg <1>", "foot <1>"), "b": ("leg <2>", "foot <1>"), "c": ("body <1>",)}
     assert shortest_unique(paths) == {"a": "leg_foot", "b": "leg_2_foot", "c": "body"}
     assert sorted(shortest_unique({"a": ("腕",), "b": ("!",)}).values()) == ["unnamed", "unnamed_2"]
@@ -51,7 +51,7 @@ def test_names_are_unique_legal_and_blind_to_order(by_object, seed):
     assert all(re.fullmatch("[A-Za-z0-9_]+", name) for name in names.values())
 
 
-def test_a_message_names_what_is_near_and_all_there_is():
+def test_message_names_what_is_near_and_all_there_is():
     assert no_match_hint("sholder", {"joints": ["wrist", "shoulder"]}) == (
         "did you mean shoulder? joints are: shoulder, wrist"
     )
@@ -71,7 +71,7 @@ def test_a_message_names_what_is_near_and_all_there_is():
     ("a\u2028b\u2029c\x85d", r"a\u2028b\u2029c\u0085d"), ("tag \U000e0041", r"tag \udb40\udc41"),
     ("\ud800 \uffff", r"\ud800 \uffff"),
 ])  # fmt: skip
-def test_what_a_terminal_obeys_is_shown_as_its_escape(text, shown):
+def test_control_characters_are_shown_as_escapes(text, shown):
     assert printable(text) == printable_lines(text) == shown
 
 
@@ -79,11 +79,11 @@ def test_what_a_terminal_obeys_is_shown_as_its_escape(text, shown):
     "text",
     ["Größe 中文 Ω ½ ²", "👩‍🔧 👍🏽 🇨🇭 ❤️", "می‌خواهم क्‍ष", "e\u0301 x\u00a0y", "", "C:\\new [b] <1> & 'x'"],
 )
-def test_what_people_write_stays(text):
+def test_text_that_people_write_stays(text):
     assert printable(text) == printable_lines(text) == text
 
 
-def test_a_line_is_one_and_lines_are_several():
+def test_line_is_one_and_lines_are_several():
     assert printable("a\nb\tc") == "a\\nb c"
     assert printable_lines("a\nb\tc") == "a\nb\tc"
 
@@ -109,22 +109,22 @@ def test_json_stays_the_same_json():
     (errors.OutputError("x"), 1), (errors.CacheError("x"), 1), (errors.ValidationFailed("x"), 3),
     (KeyboardInterrupt(), 130), (ZeroDivisionError("x"), 1),
 ], ids=lambda value: type(value).__name__)  # fmt: skip
-def test_the_exit_status_of(error, status):
+def test_exit_status_of(error, status):
     assert errors.exit_status(error) == status
 
 
-def test_a_message_says_where_what_and_what_to_do():
+def test_message_says_where_what_and_what_to_do():
     error = errors.NotFound("there is no such element", where="source.url", hint="check the address")
     assert errors.render(error) == ("error: source.url: there is no such element\n  → check the address")
 
 
-def test_a_fault_of_the_program_says_where_its_traceback_is():
+def test_fault_of_the_program_says_where_its_traceback_is():
     text = errors.render(ZeroDivisionError("division by zero"))
     assert "bug in linkwright" in text
     assert "ZeroDivisionError: division by zero" in text
     assert "build.log" in text
 
 
-def test_the_whole_tree_can_be_had_here():
+def test_whole_tree_can_be_had_here():
     classes = {name for name, value in vars(tree).items() if inspect.isclass(value)}
     assert classes - {"Iterable"} <= set(errors.__all__)
