@@ -8,7 +8,6 @@ from tempfile import TemporaryDirectory
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
@@ -20,6 +19,7 @@ from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Dynamics, Keyframe, Limits, Primitive, frozen
 from linkwright.stages.robot.motion.start_pose import keyframes
 from tests.support.building import NO_MESHES, plan_of, write
+from tests.support.drawn import each
 from tests.support.exports import compiled, exported
 from tests.support.pendulums import ARM, GRAVITY, MASS, at_home, lump, pendulum
 from tests.support.robots import at, joint, robot_with
@@ -51,19 +51,23 @@ def standing(robot, **keys):
     return stand(robot, geometry_of(robot, **keys.get("mesh", {})), plan_of(**keys))
 
 
-@settings(max_examples=60)
-@given(kind=st.sampled_from(["box", "sphere", "cylinder", "capsule"]), rpy=st.tuples(TURN, TURN, TURN))
-def test_primitive_in_any_pose_touches_the_ground(kind, rpy):
-    sizes = {"box": (0.1, 0.2, 0.3), "sphere": (0.1,), "cylinder": (0.1, 0.3), "capsule": (0.1, 0.3)}
-    pose = frozen(from_parts(rotation_from_rpy(rpy), np.array([0.1, -0.2, 0.3])))
-    robot = robot_with(shapes={"base": (Primitive(kind, sizes[kind], pose),)}, fixed=False)
-    with TemporaryDirectory() as folder:
-        model = scene_of(robot, Path(folder), export={"mjcf": {}})
-    floor = model.geom("floor").id
-    (collider,) = [geom for geom in range(model.ngeom) if model.geom_contype[geom] and geom != floor]
-    apart = mujoco.mj_geomDistance(model, state(model), collider, floor, 1.0, np.zeros(6))
-    assert abs(apart) < 1e-6
-    assert standing(robot).low[2] == pytest.approx(0.0, abs=1e-8)
+SIZES = {"box": (0.1, 0.2, 0.3), "sphere": (0.1,), "cylinder": (0.1, 0.3), "capsule": (0.1, 0.3)}
+
+
+@pytest.mark.parametrize("count", [15, pytest.param(60, marks=pytest.mark.slow)])
+def test_primitive_in_any_pose_touches_the_ground(count):
+    def touches(kind, rpy):
+        pose = frozen(from_parts(rotation_from_rpy(rpy), np.array([0.1, -0.2, 0.3])))
+        robot = robot_with(shapes={"base": (Primitive(kind, SIZES[kind], pose),)}, fixed=False)
+        with TemporaryDirectory() as folder:
+            model = scene_of(robot, Path(folder), export={"mjcf": {}})
+        floor = model.geom("floor").id
+        (collider,) = [geom for geom in range(model.ngeom) if model.geom_contype[geom] and geom != floor]
+        apart = mujoco.mj_geomDistance(model, state(model), collider, floor, 1.0, np.zeros(6))
+        assert abs(apart) < 1e-6
+        assert standing(robot).low[2] == pytest.approx(0.0, abs=1e-8)
+
+    each(touches, count, st.sampled_from([*SIZES]), st.tuples(TURN, TURN, TURN))
 
 
 def test_free_robot_stands_on_its_lowest_collider_at_home(tmp_path):
@@ -239,30 +243,30 @@ def test_four_points_share_a_weight(centre, shares):
 NUMBERS = st.floats(-1.0, 1.0).map(lambda value: round(value, 2))
 
 
-@settings(max_examples=150)
-@given(
-    points=st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=8),
-    centre=st.tuples(NUMBERS, NUMBERS),
-    up=st.tuples(NUMBERS, NUMBERS),
-)
-def test_weight_is_balanced_where_forces_that_push_can_do_it(points, centre, up):
+@pytest.mark.parametrize("count", [40, pytest.param(150, marks=pytest.mark.slow)])
+def test_weight_is_balanced_where_forces_that_push_can_do_it(count):
     """Against a linear program; and of all shares that balance, none has a smaller sum of squares."""
-    direction, middle = np.array([*up, 2.0]), np.array([*centre, 0.5])
-    places = np.array([[*point, 0.1 * index] for index, point in enumerate(points)])
-    shares = balanced(places, middle, direction)
-    unit = direction / np.linalg.norm(direction)
-    flat = (np.eye(3) - np.outer(unit, unit)) @ (places - middle).T
-    rows, wanted, slack = np.vstack([np.ones(len(points)), flat]), np.array([1.0, 0, 0, 0]), np.eye(4)
-    costs = np.concatenate([np.zeros(len(points)), np.ones(8)])
-    nearest = linprog(costs, A_eq=np.hstack([rows, slack, -slack]), b_eq=wanted)
-    if nearest.fun > 1e-4:
-        assert not shares.any()
-    elif shares.any():
-        assert rows @ shares == pytest.approx(wanted, abs=1e-4)
-        assert shares.min() >= 0
-        assert shares @ shares <= nearest.x[: len(points)] @ nearest.x[: len(points)] + 1e-4
-    else:
-        assert nearest.fun > 1e-9 or is_on_the_edge(flat.T)
+
+    def balances(points, centre, up):
+        direction, middle = np.array([*up, 2.0]), np.array([*centre, 0.5])
+        places = np.array([[*point, 0.1 * index] for index, point in enumerate(points)])
+        shares = balanced(places, middle, direction)
+        unit = direction / np.linalg.norm(direction)
+        flat = (np.eye(3) - np.outer(unit, unit)) @ (places - middle).T
+        rows, wanted, slack = np.vstack([np.ones(len(points)), flat]), np.array([1.0, 0, 0, 0]), np.eye(4)
+        costs = np.concatenate([np.zeros(len(points)), np.ones(8)])
+        nearest = linprog(costs, A_eq=np.hstack([rows, slack, -slack]), b_eq=wanted)
+        if nearest.fun > 1e-4:
+            assert not shares.any()
+        elif shares.any():
+            assert rows @ shares == pytest.approx(wanted, abs=1e-4)
+            assert shares.min() >= 0
+            assert shares @ shares <= nearest.x[: len(points)] @ nearest.x[: len(points)] + 1e-4
+        else:
+            assert nearest.fun > 1e-9 or is_on_the_edge(flat.T)
+
+    pair = st.tuples(NUMBERS, NUMBERS)
+    each(balances, count, st.lists(pair, min_size=1, max_size=8), pair, pair)
 
 
 def is_on_the_edge(flat):
