@@ -101,7 +101,7 @@ def _missing(dof: Dof, *, limits_only: bool) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     endless = (dof.limits.lower, dof.limits.upper) == (None, None)
     if endless and not dof.limits.origin.unknown and not WHEEL.search(dof.name):
-        middle = dof.in_mate.of(dof.saved)
+        middle = dof.mate_value.of(dof.saved)
         reach = _LIMITS[dof.kind]
         keys["limits"] = [round(middle - reach, 3), round(middle + reach, 3)]
     if limits_only:

@@ -67,7 +67,7 @@ def converted_joints(
 def _add_limits(joints: dict[str, Any], dof: Dof, limits: Any) -> None:
     """Adds limits to the entry of a joint, in the mate's own value: there they count from the saved pose."""
     if isinstance(limits, Sequence) and len(limits) == 2 and dof.kind in ("turn", "slide"):
-        ends = sorted(round(dof.in_mate.of(float(end)), 9) for end in limits)
+        ends = sorted(round(dof.mate_value.of(float(end)), 9) for end in limits)
         joints.setdefault(exact_glob(dof.name), {})["limits"] = ends
 
 

@@ -19,15 +19,14 @@ MAX_PRINTED_ROWS = 16
 
 def checks(results: Sequence[Mapping[str, Any]]) -> str:
     """Renders the section; "" without checks."""
-    groups = {word: [check for check in results if outcome(check) == word] for word in OUTCOMES}
-    unmet_checks = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
+    by_outcome = {word: [check for check in results if outcome(check) == word] for word in OUTCOMES}
+    unmet_checks = [check for word in OUTCOMES if word != "passed" for check in by_outcome[word]]
     own_tables = [_own_table(check) for check in results if check.get("table")]
-    passed, number = _table(groups["passed"]), len(groups["passed"])
     values = {
         "tally": tally(results),
         "unmet": _table(unmet_checks),
-        "passed": passed,
-        "number": number,
+        "passed": _table(by_outcome["passed"]),
+        "passed_count": len(by_outcome["passed"]),
         "own": own_tables,
     }
     return rendered("checks", **values) if results else ""
@@ -65,22 +64,22 @@ def _own_table(check: Mapping[str, Any]) -> dict[str, Any]:
     return {"summary": summary, "table": page_table, "brief": len(rows) > MAX_PRINTED_ROWS}
 
 
-def said(finding: Mapping[str, Any]) -> str:
-    """Returns a finding as text: element, attribute, and what the check does not accept."""
+def finding_text(finding: Mapping[str, Any]) -> str:
+    """Returns a finding as text: its element, attribute and message."""
     return f"{finding['element']} {finding['attribute']}".strip() + f": {finding['message']}"
 
 
-def _table(group: Sequence[Mapping[str, Any]]) -> PageTable | None:
+def _table(checks_of_table: Sequence[Mapping[str, Any]]) -> PageTable | None:
     """Returns a table with a row for each check; files with exactly the same result share a row."""
     files: dict[tuple[Any, ...], list[str]] = {}
-    for check in group:
+    for check in checks_of_table:
         file, title = split_name(check)
-        results = stacked([check["detail"], *map(said, check["findings"])])
+        results = stacked([check["detail"], *map(finding_text, check["findings"])])
         row_key = (outcome(check), check["code"], title, results, check["value"], check["limit"])
         files.setdefault(row_key, []).append(file)
     rows = []
     for (word, code, title, results, *figures), row_files in files.items():
         name = title if word == "passed" else to_code(code, title)
         rows.append([marked(word, _MARKS[word]), name, ", ".join(filter(None, row_files)), results, *figures])
-    header = ["", "check", "of", "found", "value", "limit"]
+    header = ["", "check", "file", "result", "value", "limit"]
     return table(header, rows, {"": "word", "value": "number", "limit": "number"}, heads="check")

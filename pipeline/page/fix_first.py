@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from linkwright.pipeline.page.checks import outcome, said, split_name
+from linkwright.pipeline.page.checks import finding_text, outcome, split_name
 from linkwright.pipeline.page.codes import level_of, problems_of, to_code
 from linkwright.pipeline.page.html.template import rendered, shortened
 from linkwright.pipeline.reference.codes import remedy
@@ -90,7 +90,7 @@ def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
         files = ", ".join(filter(None, (split_name(check)[0] for check in group)))
         name = f"{title} in {files}" if files else title
         findings = group[0]["findings"]
-        finding = said(findings[0]) if findings else group[0]["detail"]
+        finding = finding_text(findings[0]) if findings else group[0]["detail"]
         yield Fix(outcome(group[0]), code, name, finding, remedy(code))
 
 

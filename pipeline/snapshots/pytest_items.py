@@ -10,7 +10,12 @@ import pytest
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.pipeline.snapshots.command import titled
 from linkwright.pipeline.snapshots.snapshot_folder import SnapshotFolder
-from linkwright.pipeline.snapshots.subjects import FOLDER, RobotRepository, SnapshotSubject, options
+from linkwright.pipeline.snapshots.subjects import (
+    FOLDER,
+    RobotRepository,
+    SnapshotSubject,
+    robots_and_experiments,
+)
 
 RENEWED = "linkwright snapshot"
 """The property of a test report with the text of a renewal."""
@@ -27,7 +32,7 @@ def pytest_collection_modifyitems(
 def pytest_configure(config: pytest.Config) -> None:
     """Ends the run if there is no robot, before other processes begin."""
     try:
-        options(_repository(config))
+        robots_and_experiments(_repository(config))
     except (LinkwrightError, OSError) as error:
         raise pytest.UsageError(str(error)) from None
 

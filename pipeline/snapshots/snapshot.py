@@ -14,7 +14,7 @@ from linkwright.pipeline.snapshots.subjects import (
     FOLDER,
     RobotRepository,
     SnapshotSubject,
-    composed,
+    compose_subject,
     subjects,
 )
 from linkwright.pipeline.snapshots.text import text
@@ -67,7 +67,7 @@ def names_of(
     with inside(repository, environ) as composer:
         for subject in chosen:
             with suppress(ConfigError):
-                names[subject] = composed(composer, subject).plan.name
+                names[subject] = compose_subject(composer, subject).plan.name
     return names
 
 
@@ -75,7 +75,7 @@ def snapshot(repository: RobotRepository, subject: SnapshotSubject, environ: Env
     """Makes the snapshot of a subject; raises ConfigError if the subject cannot be composed, and
     LinkwrightError if it cannot be built."""
     with inside(repository, environ) as composer:
-        subject_plan = composed(composer, subject)
+        subject_plan = compose_subject(composer, subject)
         bundle = _bundle(composer, subject, subject_plan)
     with chdir(repository.folder), offline():
         figures = figures_of(subject_plan.plan, bundle, environ)
@@ -91,6 +91,6 @@ def _bundle(composer: Composer, subject: SnapshotSubject, subject_plan: Composed
         return bundle
     if not subject.experiment or subject_plan.robot == "bare":
         return None
-    robot = composed(composer, SnapshotSubject(subject_plan.robot)).plan
+    robot = compose_subject(composer, SnapshotSubject(subject_plan.robot)).plan
     shared = Path(FOLDER) / f"{robot.name}.zip"
     return shared if robot.source == subject_plan.plan.source and shared.is_file() else None

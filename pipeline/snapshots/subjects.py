@@ -38,7 +38,7 @@ class SnapshotSubject:
     experiment: str = ""
 
     @property
-    def chosen(self) -> dict[str, str]:
+    def chosen_options(self) -> dict[str, str]:
         """The options that the subject chooses, by group."""
         options = {"robot": self.robot, EXPERIMENT: self.experiment}
         return {group: option for group, option in options.items() if option}
@@ -46,15 +46,15 @@ class SnapshotSubject:
     @property
     def overrides(self) -> list[str]:
         """The overrides that build the subject."""
-        return [f"{group}={quote_text(option)}" for group, option in self.chosen.items()]
+        return [f"{group}={quote_text(option)}" for group, option in self.chosen_options.items()]
 
     @property
     def title(self) -> str:
         """The name of the subject in messages."""
-        return " ".join(f"{group}={option}" for group, option in self.chosen.items())
+        return " ".join(f"{group}={option}" for group, option in self.chosen_options.items())
 
 
-def composed(composer: Composer, subject: SnapshotSubject) -> Composed:
+def compose_subject(composer: Composer, subject: SnapshotSubject) -> Composed:
     """Composes a subject; raises ConfigError with all problems."""
     overrides, problems = composer.read(subject.overrides)
     return composer.compose([override.hydra for override in overrides], problems)
@@ -63,26 +63,28 @@ def composed(composer: Composer, subject: SnapshotSubject) -> Composed:
 def subjects(composer: Composer, repository: RobotRepository) -> list[SnapshotSubject]:
     """Returns all subjects of a repository, sorted: each robot, each experiment that chooses its robot or its
     source, and each robot with each of the other experiments. Raises ConfigError if there are none."""
-    robots, experiments = options(repository)
+    robots, experiments = robots_and_experiments(repository)
     all_subjects = [SnapshotSubject(robot) for robot in robots]
     for experiment in experiments:
-        by_itself = SnapshotSubject(experiment=experiment)
-        with_any = _chooses_no_robot(composer, by_itself)
-        all_subjects += [SnapshotSubject(robot, experiment) for robot in robots] if with_any else [by_itself]
+        experiment_subject = SnapshotSubject(experiment=experiment)
+        if _chooses_no_robot(composer, experiment_subject):
+            all_subjects += [SnapshotSubject(robot, experiment) for robot in robots]
+        else:
+            all_subjects.append(experiment_subject)
     return sorted(all_subjects)
 
 
-def options(repository: RobotRepository) -> tuple[list[str], list[str]]:
+def robots_and_experiments(repository: RobotRepository) -> tuple[list[str], list[str]]:
     """Returns the robots and the experiments of a repository; raises ConfigError if there are none."""
     presets = Presets(repository.config_dirs, repository.folder)
-    robots, experiments = _options(presets, "robot"), _options(presets, EXPERIMENT)
+    robots, experiments = _own_options(presets, "robot"), _own_options(presets, EXPERIMENT)
     if not robots and not experiments:
         msg = "there is no robot: no robot/NAME.yaml, and no experiment/NAME.yaml"
         raise ConfigError(msg, "snapshot", "run it where robot/ is, or name that folder")
     return robots, experiments
 
 
-def _options(presets: Presets, group: str) -> list[str]:
+def _own_options(presets: Presets, group: str) -> list[str]:
     """Returns the user's own options of a group; names that begin with an underscore are parts of other
     options."""
     names: set[str] = set()

@@ -31,7 +31,7 @@ Entries = Mapping[tuple[str, str], str]
 
 def text(subject: SnapshotSubject, plan_of_subject: Composed, figures: Figures) -> str:
     """Returns the snapshot's text, which is the same in any folder and on any computer."""
-    chosen = (f"{key}: {_value(option)}" for key, option in subject.chosen.items())
+    chosen = (f"{key}: {_value(option)}" for key, option in subject.chosen_options.items())
     lines = [f"{HEAD} {FORMAT}", *chosen]
     sections = {
         CHOICES: _choices(plan_of_subject),

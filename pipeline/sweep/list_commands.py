@@ -11,6 +11,7 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.json_documents.jobs import STALE, jobs_document
 from linkwright.pipeline.options import JSON, SHORT
+from linkwright.pipeline.reference.exit_status import BUILT, FAILED, UNMET
 from linkwright.pipeline.sweep import job_list, listed_jobs
 from linkwright.pipeline.sweep.fetching import named
 from linkwright.pipeline.sweep.job_list import JobList, Share
@@ -21,7 +22,7 @@ from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.robot.errors import Offline
 
 _KINDS = ("done", "running", "failed", STALE, "missing")
-"""The kinds of jobs, in the order of the message."""
+"""The kinds of jobs, in the order of the message. Jobs that are built or unmet count as done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,7 @@ class _Request:
     is_quiet: bool
     """Whether to show only errors."""
 
-    json: bool
+    as_json: bool
     """Whether to return a JSON document."""
 
     def answer(
@@ -49,7 +50,7 @@ class _Request:
         failures: Sequence[str] = (),
     ) -> int | CommandDocument:
         """Returns the exit status, or, with `--json`, the document that contains it."""
-        if not self.json:
+        if not self.as_json:
             return status
         return jobs_document(self.path, jobs.folder, len(jobs.jobs), outcomes, status, failures)
 
@@ -58,45 +59,45 @@ def jobs(arguments: Sequence[str]) -> int | CommandDocument:
     """Shows the states of the jobs of a list, or with `--fetch` fetches their sources; returns the exit
     status, or with `--json` a document. Raises ConfigError for wrong usage or a file that is not a list of
     jobs."""
-    request = _parsed("jobs", arguments, ("--fetch",))
+    request = _parse_arguments("jobs", arguments, ("--fetch",))
     rest = request.rest
     if any(argument != "--fetch" for argument in rest) or (rest and request.share):
         raise ConfigError("expected a list of jobs, and --fetch or --shard", "jobs", _usage("jobs"))
-    return _fetch(request) if rest else _tell(request)
+    return _fetch(request) if rest else _show_status(request)
 
 
 def job(arguments: Sequence[str]) -> int | CommandDocument:
     """Runs a job of a list, or a share of its jobs; returns the exit status, or with `--json` a document.
     Raises ConfigError for wrong usage, and for a file that is not a list of jobs."""
-    request = _parsed("job", arguments, ())
+    request = _parse_arguments("job", arguments, ())
     path, rest, share = request.path, request.rest, request.share
     if len(rest) != (0 if share else 1):
         raise ConfigError("expected a list of jobs, and a number or --shard", "job", _usage("job"))
-    with listed_jobs.opened(path) as job_list_:
-        chosen = [job_list.job_numbered(job_list_, rest[0], path)] if rest else job_list_.share(share)
-        outcomes, unfetched = listed_jobs.run(job_list_, chosen, is_quiet=request.is_quiet)
+    with listed_jobs.opened(path) as listed:
+        chosen = [job_list.job_numbered(listed, rest[0], path)] if rest else listed.share(share)
+        outcomes, unfetched = listed_jobs.run(listed, chosen, is_quiet=request.is_quiet)
     for outcome in outcomes:
-        if outcome.status not in (0, 3):
+        if outcome.status not in (BUILT, UNMET):
             lines = [f"error: job {outcome.number} ({outcome.label}): {outcome.message}", *outcome.problems]
             say("\n  ".join(lines), sys.stderr)
         if not request.is_quiet:
             say(f"{outcome.folder}: {outcome.message}")
     if unfetched:
-        text = (
-            "nothing is fetched for this job yet"
-            if len(unfetched) == 1
-            else "nothing is fetched for them yet"
-        )
+        jobs_text = "this job" if len(unfetched) == 1 else "these jobs"
+        text = f"nothing is fetched for {jobs_text} yet"
         raise Offline(text, named(unfetched), f"linkwright jobs {shlex.quote(str(path))} --fetch")
-    status = (outcomes[0].status if rest else None) or sweep_status(outcomes)
-    return request.answer(job_list_, status, outcomes)
+    # A single job has its own exit status, unless it has not ended.
+    status = sweep_status(outcomes)
+    if rest and outcomes[0].status:
+        status = outcomes[0].status
+    return request.answer(listed, status, outcomes)
 
 
 def _usage(verb: str) -> str:
-    return f"linkwright {verb} --help shows how it is called"
+    return f"linkwright {verb} --help shows its usage"
 
 
-def _parsed(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Request:
+def _parse_arguments(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Request:
     """Parses the arguments; raises ConfigError for an unknown option or without a list."""
     unshared, share = job_list.split_share(arguments)
     rest = [word for word in unshared if word != JSON and SHORT.get(word, word) != "--quiet"]
@@ -104,49 +105,47 @@ def _parsed(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Req
     unknown = [argument for argument in rest if argument.startswith("-") and argument not in options]
     if unknown:
         raise ConfigError(f"there is no option {unknown[0]}", verb, _usage(verb))
-    places = [argument for argument in rest if argument not in options]
-    if not places:
+    paths = [argument for argument in rest if argument not in options]
+    if not paths:
         raise ConfigError("expected a list of jobs", verb, _usage(verb))
-    rest.remove(places[0])
-    return _Request(Path(places[0]), rest, share, is_quiet, JSON in unshared)
+    rest.remove(paths[0])
+    return _Request(Path(paths[0]), rest, share, is_quiet, JSON in unshared)
 
 
 def _fetch(request: _Request) -> int | CommandDocument:
     """Fetches the sources of all jobs, and writes the list with the states that were fetched."""
-    path, failed = request.path, list[str]()
-    with listed_jobs.opened(path) as job_list_:
-        pinned = job_list_
-        if job_list_.sources:
-            pinned, failed = listed_jobs.fetch(
-                job_list_, (lambda _: None) if request.is_quiet else print_line
-            )
+    path, failures = request.path, list[str]()
+    with listed_jobs.opened(path) as listed:
+        pinned = listed
+        if listed.sources:
+            pinned, failures = listed_jobs.fetch(listed, (lambda _: None) if request.is_quiet else print_line)
         elif not request.is_quiet:
             say(f"{path}: nothing to fetch: the sources of all jobs are on this computer")
-    if pinned != job_list_:
+    if pinned != listed:
         job_list.write(path, pinned)
-    for line in failed:
+    for line in failures:
         say(f"error: {line}", sys.stderr)
-    return request.answer(job_list_, 1 if failed else 0, failures=failed)
+    return request.answer(listed, FAILED if failures else BUILT, failures=failures)
 
 
-def _tell(request: _Request) -> int | CommandDocument:
+def _show_status(request: _Request) -> int | CommandDocument:
     """Shows a table of the jobs and their number by kind, and writes the summary of the sweep."""
-    with listed_jobs.opened(request.path) as job_list_:
-        outcomes = listed_jobs.outcomes(job_list_.share(request.share))
+    with listed_jobs.opened(request.path) as listed:
+        outcomes = listed_jobs.outcomes(listed.share(request.share))
         # The summary is of all jobs, so a share writes none.
         if request.share is None:
-            listed_jobs.summarise(job_list_, outcomes)
+            listed_jobs.summarise(listed, outcomes)
         status = sweep_status(outcomes)
-        if request.json or (request.is_quiet and not status):
-            return request.answer(job_list_, status, outcomes)
-        if outcomes:
-            say(table(outcomes, Path(job_list_.folder), terminal_width(sys.stdout)))
-    numbers = Counter(map(_kind, outcomes))
-    say(", ".join(f"{numbers[kind]} {kind}" for kind in _KINDS if numbers[kind]) or "no jobs")
-    return status
+        is_shown = not request.as_json and (status != BUILT or not request.is_quiet)
+        if is_shown and outcomes:
+            say(table(outcomes, Path(listed.folder), terminal_width(sys.stdout)))
+    if is_shown:
+        numbers = Counter(map(_job_kind, outcomes))
+        say(", ".join(f"{numbers[kind]} {kind}" for kind in _KINDS if numbers[kind]) or "no jobs")
+    return request.answer(listed, status, outcomes)
 
 
-def _kind(outcome: Outcome) -> str:
+def _job_kind(outcome: Outcome) -> str:
     """Returns the kind of a job: built and unmet jobs are done."""
     if outcome.message == STALE:
         return STALE

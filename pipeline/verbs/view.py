@@ -27,7 +27,7 @@ the viewer runs in MuJoCo's `mjpython`.
 
 SCENE = "scene.xml"
 _USAGE = "linkwright view NAME; linkwright view --help shows more"
-_ON_MAC = "import sys; from linkwright.stages.mujoco.viewer import show; show(sys.argv[1])"
+_MJPYTHON_CODE = "import sys; from linkwright.stages.mujoco.viewer import show; show(sys.argv[1])"
 """The code that `mjpython` runs; its argument is the path of the scene."""
 
 
@@ -40,17 +40,14 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
     if len(arguments) != 1 or arguments[0].startswith("-"):
         msg = f"expected one build, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "view", _USAGE)
-    folder = find(arguments[0], "view")
-    scene = folder / SCENE
-    if not scene.is_file():
-        raise OutputError(
-            f"the build has no {SCENE}", str(folder), "build it with export=mjcf or [urdf,mjcf]"
-        )
-    page = f"open {folder / 'report.html'} in a browser: it has the robot's figures"
+    scene = _scene(arguments[0])
+    report_hint = f"open {scene.with_name('report.html')} in a browser: it has the robot's figures"
     if not has_display(environ, system):
-        raise OutputError("there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", page)
+        raise OutputError(
+            "there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", "view", report_hint
+        )
     if system == "darwin":
-        return _by_mjpython(scene, page)
+        return _run_mjpython(scene, report_hint)
     # Imported late, since it loads MuJoCo, and wrong usage is reported at once.
     from linkwright.stages.mujoco.viewer import NoViewer, NoWindow, show
 
@@ -58,18 +55,30 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ, syste
         show(str(scene))
     except NoViewer as error:
         msg = f"MuJoCo's viewer is not installed ({error})"
-        raise OutputError(msg, "view", f"pip install mujoco; or {page}") from None
+        raise OutputError(msg, "view", f"pip install mujoco; or {report_hint}") from None
     except NoWindow as error:
-        raise OutputError(f"MuJoCo's viewer cannot open a window: {error}", "view", page) from None
+        raise OutputError(f"MuJoCo's viewer cannot open a window: {error}", "view", report_hint) from None
     return 0
 
 
-def _by_mjpython(scene: Path, otherwise: str) -> int:
+def _scene(name: str) -> Path:
+    """Returns the path of the scene of a build; raises OutputError if the build has none."""
+    folder = find(name, "view")
+    scene = folder / SCENE
+    if not scene.is_file():
+        raise OutputError(
+            f"the build has no {SCENE}", str(folder), "build it with export=mjcf or [urdf,mjcf]"
+        )
+    return scene
+
+
+def _run_mjpython(scene: Path, report_hint: str) -> int:
     """Shows the scene on a Mac, where windows must be drawn in the main thread, as `mjpython` does.
-    `otherwise`: a hint at what to do without it."""
+    `report_hint`: a hint at what to do without it."""
     mjpython = Path(sys.executable).with_name("mjpython")
     interpreter = str(mjpython) if mjpython.exists() else program("mjpython")
     if interpreter is None:
-        msg = "there is no mjpython, by which MuJoCo's viewer runs on a Mac"
-        raise OutputError(msg, "view", f"pip install mujoco; or {otherwise}")
-    return subprocess.run([interpreter, "-c", _ON_MAC, str(scene)], check=False).returncode and 1
+        msg = "mjpython is missing, which MuJoCo's viewer needs on a Mac"
+        raise OutputError(msg, "view", f"pip install mujoco; or {report_hint}")
+    completed = subprocess.run([interpreter, "-c", _MJPYTHON_CODE, str(scene)], check=False)
+    return 1 if completed.returncode else 0

@@ -32,7 +32,7 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.targets.diagnostic import replacement_diagnostic
 from linkwright.stages.targets.options import REPLACEABLE_ACTUATORS, actuation_of, targets_replacing
-from linkwright.stages.targets.things import dropped_things
+from linkwright.stages.targets.things import reader_rows_of_robot
 
 PACKAGES = ("ros2",)
 """Formats that pack the files of other formats, with the user's own XML in them, and the meshes."""
@@ -102,7 +102,7 @@ def build(
         *variants.diagnostics,
     )
     tip = advice(written.robot, written.actuation, standing.world_from_root, gravity_of(keys.scene.option))
-    readers = dropped_things(written.robot, geometry, needed, keys.target.versions)
+    readers = reader_rows_of_robot(written.robot, geometry, needed, keys.target.versions)
     return Exported(
         dict(sorted(files.items())), all_diagnostics, written, tip, order, readers, variants.summary
     )

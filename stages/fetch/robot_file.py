@@ -20,10 +20,10 @@ MESH = "mesh/"
 IMAGE = "image/"
 """Prefix of requests for images of meshes in a bundle."""
 
-LARGEST_TEXT = 64 << 20
+MAX_TEXT_BYTES = 64 << 20
 """Largest size [bytes] of a robot file or model in a bundle."""
 
-LARGEST_TRIANGLES = 1 << 30
+MAX_TRIANGLES_BYTES = 1 << 30
 """Largest size [bytes] of the triangles of a mesh in a bundle."""
 
 
@@ -36,19 +36,7 @@ class RobotFileSource(FileSource):
     def replay(recording: Recording, where: str) -> Bundle:
         """Returns the bundle of a recorded robot file. Raises SourceError if a mesh or an image is invalid,
         or an image is missing."""
-        meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
-        recorded_images = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
-        try:
-            used_images = frozenset[str]().union(
-                *(triangles.textures(recording.blobs[name]) for name in meshes)
-            )
-            fault = next(
-                (f"it lacks the image {digest}" for digest in sorted(used_images - recorded_images)), ""
-            )
-            image_faults = (png.problem(recording.blobs[name]) for name in sorted(recorded_images))
-            fault = fault or next((f"an image: {problem}" for problem in image_faults if problem), "")
-        except ProtocolError as error:
-            fault = error.message
+        fault = _fault(recording)
         if fault:
             msg = f"not readable as a bundle: {fault}"
             hint = "make the bundle again, or copy it again from its source"
@@ -67,9 +55,25 @@ class RobotFileSource(FileSource):
     def largest_reply(request: str) -> int:
         if request.startswith(IMAGE):
             return png.LARGEST
-        return LARGEST_TRIANGLES if request.startswith(MESH) else LARGEST_TEXT
+        return MAX_TRIANGLES_BYTES if request.startswith(MESH) else MAX_TEXT_BYTES
 
     @staticmethod
     def summary(bundle: Bundle) -> str:
         meshes = sum(request.startswith(MESH) for request in bundle.requests)
         return f"{bundle.root['document']} and {count(meshes, 'mesh', 'meshes')}"
+
+
+def _fault(recording: Recording) -> str:
+    """Returns what is wrong with the meshes and images of a recorded robot file; "" if nothing is."""
+    meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
+    images = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
+    try:
+        used_images = {digest for name in meshes for digest in triangles.textures(recording.blobs[name])}
+        for digest in sorted(used_images - images):
+            return f"it lacks the image {digest}"
+        for name in sorted(images):
+            if problem := png.problem(recording.blobs[name]):
+                return f"an image: {problem}"
+    except ProtocolError as error:
+        return error.message
+    return ""

@@ -7,7 +7,7 @@ from linkwright.stages.graph.mechanism import Mechanism, MechanismReader
 from linkwright.stages.graph.passes.actuation import with_actuation
 from linkwright.stages.graph.passes.added_links import with_added_frames, with_added_links
 from linkwright.stages.graph.passes.keyframes import with_keyframes
-from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.joint_limits import with_limits_and_dynamics
 from linkwright.stages.graph.passes.limits.limit_checks import with_checked_limits
 from linkwright.stages.graph.passes.limits.placeholders import without_placeholders
 from linkwright.stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
@@ -35,7 +35,7 @@ def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robo
     tree = _tree(mechanism, keys, log)
     robot = with_bodies(place(mechanism, tree, keys, log), mechanism)
     robot = with_added_links(robot, keys.links, log)
-    robot = with_properties(robot, keys.joints, log)
+    robot = with_limits_and_dynamics(robot, keys.joints, log)
     robot = without_placeholders(robot, log) if mechanism.demands_limits else robot
     robot = with_relations(robot, mechanism.relations, log, keys.relations)
     robot = with_checked_limits(robot, mechanism, keys, log)

@@ -20,18 +20,17 @@ def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) 
     """Yields I-IDLE-KEY for each key that is set although nothing reads it. `makers`: the default maker and
     the makers that are chosen for parts; `source`: the kind of source."""
     section, default = sections.mesh, type(sections.mesh)()
-    for key in ("basis", *MAKER_KEYS):
-        if getattr(section, key) == getattr(default, key):
-            continue
-        if key in MAKER_KEYS and not any(_maker_reads(maker, key) for maker in makers):
+    if section.basis != default.basis and source not in SHAPE_DECLARING_KINDS:
+        text = "the source has no collision shapes of its own, so this key has no effect"
+        yield Diagnostic("I-IDLE-KEY", text, "mesh.basis", "remove it: only a URDF or an MJCF has them")
+    for key in MAKER_KEYS:
+        is_set = getattr(section, key) != getattr(default, key)
+        if is_set and not any(_maker_reads(maker, key) for maker in makers):
             readers = [name for name, maker in COLLIDERS.items() if _maker_reads(maker, key)]
             # `COLLIDERS` does not list BY_CONTACT, the ladder without a tolerance.
             reader_names = " or ".join(readers) or "ladder without a tolerance"
             text = f"no collider is made by {reader_names}, so this key has no effect"
             yield Diagnostic("I-IDLE-KEY", text, f"mesh.{key}", "remove it, or choose such a collider")
-        if key == "basis" and source not in SHAPE_DECLARING_KINDS:
-            text = "the source has no collision shapes of its own, so this key has no effect"
-            yield Diagnostic("I-IDLE-KEY", text, "mesh.basis", "remove it: only a URDF or an MJCF has them")
     if section.glb_up != default.glb_up and section.format != "glb":
         text = "no mesh is a GLB, so this key has no effect"
         yield Diagnostic("I-IDLE-KEY", text, "mesh.glb_up", "remove it, or choose mesh.format=glb")

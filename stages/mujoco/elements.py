@@ -1,7 +1,7 @@
 """Converts elements of a compiled model back to MJCF: cameras, lights, sites, geoms, tendons, actuators,
 pairs, excluded pairs and equalities."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import mujoco
@@ -59,21 +59,21 @@ def camera(model: Any, index: int) -> MjcfElement:
     rows = attributes(model, CAMERA, index)
     # A camera with a sensor has its field of view from the sensor and the focal length.
     if model.cam_sensorsize[index].any():
-        lens = [float(number) for number in model.cam_intrinsic[index]]
+        intrinsics = [float(number) for number in model.cam_intrinsic[index]]
         rows = tuple(row for row in rows if row[0] not in ("fovy", "sensorsize"))
-        size = exact(float(number) for number in model.cam_sensorsize[index])
-        rows += (("sensorsize", size), ("focal", exact(lens[:2])), ("principal", exact(lens[2:])))
+        size = _exact(model.cam_sensorsize[index])
+        rows += (("sensorsize", size), ("focal", exact(intrinsics[:2])), ("principal", exact(intrinsics[2:])))
     target = int(model.cam_targetbodyid[index])
-    names = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
-    return MjcfElement("camera", (*_name_attribute(model, OBJ.mjOBJ_CAMERA, index), *rows), names)
+    references = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
+    return MjcfElement("camera", (*_name_attribute(model, OBJ.mjOBJ_CAMERA, index), *rows), references)
 
 
 def light(model: Any, index: int) -> MjcfElement:
     """Returns a light as an MJCF element, without its position and `dir`."""
     target = int(model.light_targetbodyid[index])
-    names = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
+    references = () if target < 0 else (reference(model, "target", OBJ.mjOBJ_BODY, target),)
     rows = (*_name_attribute(model, OBJ.mjOBJ_LIGHT, index), *attributes(model, LIGHT, index))
-    return MjcfElement("light", rows, names)
+    return MjcfElement("light", rows, references)
 
 
 def site(model: Any, index: int) -> MjcfElement:
@@ -89,7 +89,9 @@ def site_attributes(model: Any, index: int) -> Attributes:
     material = int(model.site_matid[index])
     has_default_colour = np.array_equal(model.site_rgba[index], bare().site_rgba[-1])
     return (
-        (*rows, ("rgba", _short(model.mat_rgba[material]))) if material >= 0 and has_default_colour else rows
+        (*rows, ("rgba", _shortest(model.mat_rgba[material])))
+        if material >= 0 and has_default_colour
+        else rows
     )
 
 
@@ -98,11 +100,11 @@ def geom(model: Any, index: int) -> MjcfElement:
     kind = int(model.geom_type[index])
     shape = [("type", GEOM_TYPES[kind])]
     if kind not in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
-        shape.append(("size", exact(float(number) for number in model.geom_size[index])))
+        shape.append(("size", _exact(model.geom_size[index])))
     material = int(model.geom_matid[index])
     has_default_colour = np.array_equal(model.geom_rgba[index], bare().geom_rgba[-1])
     rgba = model.mat_rgba[material] if has_default_colour and material >= 0 else model.geom_rgba[index]
-    appearance = [("rgba", _short(rgba))] if not np.array_equal(rgba, bare().geom_rgba[-1]) else []
+    appearance = [("rgba", _shortest(rgba))] if not np.array_equal(rgba, bare().geom_rgba[-1]) else []
     group = int(model.geom_group[index])
     appearance += [("group", str(group))] if group else []
     contact = attributes(model, CONTACT, index)
@@ -120,12 +122,17 @@ def geom_attributes(model: Any, index: int) -> Attributes:
     """Returns the attributes of a geom besides its shape, contact and appearance, such as those for
     fluids."""
     fluid = model.geom_fluid[index]
-    coefficients = exact(float(number) for number in fluid[1:6])
+    coefficients = _exact(fluid[1:6])
     fluid_attributes = (("fluidshape", "ellipsoid"), ("fluidcoef", coefficients)) if fluid[0] > 0 else ()
     return (*attributes(model, GEOM, index), *fluid_attributes)
 
 
-def _short(rgba: Any) -> str:
+def _exact(values: Iterable[Any]) -> str:
+    """Returns numbers as a text with all digits."""
+    return exact(float(value) for value in values)
+
+
+def _shortest(rgba: Any) -> str:
     # A float32 is written with its own shortest digits: 0.2, not 0.20000000298.
     return exact(float(str(value)) for value in rgba)
 
@@ -141,10 +148,10 @@ def tendon(model: Any, index: int) -> MjcfElement:
         rows += attributes(model, SPATIAL, index)
         material = int(model.tendon_matid[index])
         if material >= 0 and "rgba" not in dict(rows):
-            rows.append(("rgba", _short(model.mat_rgba[material])))
-    title = _name_attribute(model, OBJ.mjOBJ_TENDON, index)
+            rows.append(("rgba", _shortest(model.mat_rgba[material])))
+    name = _name_attribute(model, OBJ.mjOBJ_TENDON, index)
     path = tuple(_wrap(model, wrap) for wrap in wraps)
-    return MjcfElement("fixed" if fixed else "spatial", (*title, *rows), children=path)
+    return MjcfElement("fixed" if fixed else "spatial", (*name, *rows), children=path)
 
 
 def _wrap(model: Any, index: int) -> MjcfElement:
@@ -152,10 +159,10 @@ def _wrap(model: Any, index: int) -> MjcfElement:
     pulley, or the side site of a geom."""
     kind, target, value = (getattr(model, f"wrap_{name}")[index] for name in ("type", "objid", "prm"))
     if kind == mujoco.mjtWrap.mjWRAP_JOINT:
-        names = (reference(model, "joint", OBJ.mjOBJ_JOINT, target),)
-        return MjcfElement("joint", (("coef", exact([float(value)])),), names)
+        references = (reference(model, "joint", OBJ.mjOBJ_JOINT, target),)
+        return MjcfElement("joint", (("coef", _exact([value])),), references)
     if kind == mujoco.mjtWrap.mjWRAP_PULLEY:
-        return MjcfElement("pulley", (("divisor", exact([float(value)])),))
+        return MjcfElement("pulley", (("divisor", _exact([value])),))
     if kind == mujoco.mjtWrap.mjWRAP_SITE:
         return MjcfElement("site", (), (reference(model, "site", OBJ.mjOBJ_SITE, target),))
     side = round(float(value))
@@ -163,7 +170,7 @@ def _wrap(model: Any, index: int) -> MjcfElement:
     return MjcfElement("geom", (), (reference(model, "geom", OBJ.mjOBJ_GEOM, target), *sites))
 
 
-_BY_TRANSMISSION = {
+_TARGETS_BY_TRANSMISSION = {
     int(mujoco.mjtTrn.mjTRN_JOINT): (("joint", OBJ.mjOBJ_JOINT),),
     int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): (("jointinparent", OBJ.mjOBJ_JOINT),),
     int(mujoco.mjtTrn.mjTRN_TENDON): (("tendon", OBJ.mjOBJ_TENDON),),
@@ -174,26 +181,29 @@ _BY_TRANSMISSION = {
 """MuJoCo's number of a transmission → the attributes that refer to an actuator's targets."""
 
 
-_TYPES = ("dyntype", "gaintype", "biastype")
+_TYPE_ATTRIBUTES = ("dyntype", "gaintype", "biastype")
 """Attributes of an actuator's types, which are always written."""
 
 
 def actuator(model: Any, index: int) -> MjcfElement | None:
     """Returns an actuator as `<general>`, without a name. Returns None for a plug-in, and for types that only
     some versions of MuJoCo have."""
-    ends = _BY_TRANSMISSION.get(int(model.actuator_trntype[index]))
-    if ends is None or model.actuator_plugin[index] >= 0 or len(controls_of(model, index)) != 1:
+    targets = _TARGETS_BY_TRANSMISSION.get(int(model.actuator_trntype[index]))
+    if targets is None or model.actuator_plugin[index] >= 0 or len(controls_of(model, index)) != 1:
         return None
-    rows = (*general_attributes(model, index, always=_TYPES), *_length_range_and_states(model, index))
-    if not {*_TYPES} <= {name for name, _ in rows}:
+    rows = (
+        *general_attributes(model, index, always=_TYPE_ATTRIBUTES),
+        *_length_range_and_states(model, index),
+    )
+    if not {*_TYPE_ATTRIBUTES} <= {name for name, _ in rows}:
         return None
     numbers = (int(number) for number in model.actuator_trnid[index])
-    names = tuple(
+    references = tuple(
         reference(model, attribute, kind, number)
-        for (attribute, kind), number in zip(ends, numbers, strict=False)
+        for (attribute, kind), number in zip(targets, numbers, strict=False)
         if number >= 0
     )
-    return MjcfElement("general", rows, names)
+    return MjcfElement("general", rows, references)
 
 
 def _length_range_and_states(model: Any, index: int) -> Iterator[tuple[str, str]]:
@@ -214,18 +224,18 @@ def actuator_attributes(model: Any, index: int) -> Attributes:
 def pair(model: Any, index: int) -> MjcfElement:
     """Returns a pair of geoms that collide even if their contype and conaffinity exclude it."""
     geoms = (("geom1", model.pair_geom1[index]), ("geom2", model.pair_geom2[index]))
-    names = tuple(reference(model, attribute, OBJ.mjOBJ_GEOM, number) for attribute, number in geoms)
+    references = tuple(reference(model, attribute, OBJ.mjOBJ_GEOM, number) for attribute, number in geoms)
     # MuJoCo would derive these from the two geoms if they were missing.
     always = ("condim", "friction", "solref", "solimp", "margin", "gap")
     rows = attributes(model, PAIR, index, always)
-    return MjcfElement("pair", (*_name_attribute(model, OBJ.mjOBJ_PAIR, index), *rows), names)
+    return MjcfElement("pair", (*_name_attribute(model, OBJ.mjOBJ_PAIR, index), *rows), references)
 
 
 def _relpose(data: Sequence[float]) -> list[float]:
     """Returns the pose of the second body of a weld in the first. MuJoCo stores its anchor in both bodies,
     the second's first, and the rotation between them."""
-    turn = rotation_from_quat(np.array(data[6:10]))
-    return [*map(float, np.array(data[3:6]) - turn @ data[:3]), *data[6:10]]
+    first_from_second = rotation_from_quat(np.array(data[6:10]))
+    return [*map(float, np.array(data[3:6]) - first_from_second @ data[:3]), *data[6:10]]
 
 
 def exclude(model: Any, index: int) -> MjcfElement:
@@ -233,14 +243,14 @@ def exclude(model: Any, index: int) -> MjcfElement:
     signature = int(model.exclude_signature[index])
     # MuJoCo packs both bodies into one number.
     bodies = (("body1", signature >> 16), ("body2", signature & 0xFFFF))
-    names = tuple(reference(model, attribute, OBJ.mjOBJ_BODY, number) for attribute, number in bodies)
-    return MjcfElement("exclude", _name_attribute(model, OBJ.mjOBJ_EXCLUDE, index), names)
+    references = tuple(reference(model, attribute, OBJ.mjOBJ_BODY, number) for attribute, number in bodies)
+    return MjcfElement("exclude", _name_attribute(model, OBJ.mjOBJ_EXCLUDE, index), references)
 
 
 def equality(model: Any, index: int) -> MjcfElement | None:
     """Returns an equality as an MJCF element; None unless it is a connect, weld, joint or tendon."""
     kind = mujoco.mjtEq(int(model.eq_type[index]))
-    ends = [int(number) for number in (model.eq_obj1id[index], model.eq_obj2id[index])]
+    target_indices = [int(number) for number in (model.eq_obj1id[index], model.eq_obj2id[index])]
     data = [float(number) for number in model.eq_data[index]]
     rows: list[tuple[str, str]] = []
     if kind in (mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtEq.mjEQ_TENDON):
@@ -250,20 +260,20 @@ def equality(model: Any, index: int) -> MjcfElement | None:
     elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
         by_sites = int(model.eq_objtype[index]) == OBJ.mjOBJ_SITE
         tag, target_kind = ("site", OBJ.mjOBJ_SITE) if by_sites else ("body", OBJ.mjOBJ_BODY)
-        # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
         if kind == mujoco.mjtEq.mjEQ_WELD:
+            # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
             rows.append(("torquescale", exact(data[10:11])))
             rows += [] if by_sites else [("anchor", exact(data[:3])), ("relpose", exact(_relpose(data)))]
         elif not by_sites:
             rows.append(("anchor", exact(data[:3])))
     else:
         return None
-    names = tuple(
+    references = tuple(
         reference(model, f"{tag}{position}", target_kind, number)
-        for position, number in enumerate(ends, 1)
+        for position, number in enumerate(target_indices, 1)
         if number >= 0
     )
     rows += [] if model.eq_active0[index] else [("active", "false")]
     rows += attributes(model, EQUALITY, index, always=("solref", "solimp"))
-    title = _name_attribute(model, OBJ.mjOBJ_EQUALITY, index)
-    return MjcfElement(kind.name.removeprefix("mjEQ_").lower(), (*title, *rows), names)
+    name = _name_attribute(model, OBJ.mjOBJ_EQUALITY, index)
+    return MjcfElement(kind.name.removeprefix("mjEQ_").lower(), (*name, *rows), references)

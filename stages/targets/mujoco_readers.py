@@ -20,8 +20,8 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         "4.0",
         "urdf",
         _DAY,
-        ("velocity", "stated", "left out"),
-        ("loops", "stated", "left open, as a URDF has none: it has them from an MJCF"),
+        ("velocity", "stated", "dropped"),
+        ("loops", "stated", "left open, as a URDF has none: it reads them from an MJCF"),
     ),
     *rows(
         "MuJoCo",
@@ -31,10 +31,10 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         (
             "visuals in GLB",
             "stated",
-            "left out: our URDF with such visuals says `discardvisual`, without which the file is refused",
+            "dropped: our URDF with such visuals says `discardvisual`, without which the file is refused",
         ),
     ),
-    *rows("MuJoCo", "3.11", "urdf", _DAY, ("relations", "refused", "left out: it has them from an MJCF")),
+    *rows("MuJoCo", "3.11", "urdf", _DAY, ("relations", "refused", "dropped: it reads them from an MJCF")),
     *rows(
         "MuJoCo",
         "3.11",
@@ -107,7 +107,7 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         ("user actuators", "refused", "refuses the model"),
         ("adhesion and slider-cranks", "refused", "refuses the model"),
         ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
-        ("delays of actuators", "refused", "left out, without a word: controls act at once"),
+        ("delays of actuators", "refused", "dropped silently: controls act at once"),
         ("implicit integrator", "refused", "refuses the model: `scene.option.integrator: implicitfast`"),
         ("fluid with implicitfast", "refused", "refuses the model: `scene.option.integrator: Euler`"),
         (
@@ -124,7 +124,7 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
             "refuses the model: it has those of pairs of geoms",
         ),
         ("sensors of distances, limits and energies", "refused", "refuses the model"),
-        ("noslip iterations", "stated", "left out, without a word"),
+        ("noslip iterations", "stated", "dropped silently"),
         (
             "many pairs of convex shapes",
             "stated",

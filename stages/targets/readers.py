@@ -11,10 +11,12 @@ from linkwright.stages.targets.engines import ENGINES
 from linkwright.stages.targets.mujoco_readers import MUJOCO_READERS, POSITION_FOR_PID, SLOWER
 from linkwright.stages.targets.row import ReaderRow, rows
 
-_DAY, _TODAY = "2026-11-23", "2026-11-27"
+_NOV_23, _NOV_27 = "2026-11-23", "2026-11-27"
 """Days of the measurements."""
 
 MUJOCO = "MuJoCo"
+"""The name of MuJoCo among the readers."""
+
 _ISAAC = "https://github.com/isaac-sim/IsaacSim/issues/841"
 _ISAAC_URDF = "https://wiki.ros.org/urdf/XML/model"
 _ROS = "https://docs.ros.org/en/jazzy/p/sdformat_urdf"
@@ -26,17 +28,17 @@ READERS: tuple[ReaderRow, ...] = (
         "Drake",
         "1.51.1",
         "urdf",
-        _DAY,
+        _NOV_23,
         ("colliders in STL", "replaced", _OBJ),
-        ("friction", "stated", "left out, with a warning"),
-        ("effort", "stated", "left out: without transmissions it has no actuators"),
+        ("friction", "stated", "dropped, with a warning"),
+        ("effort", "stated", "dropped: without transmissions it has no actuators"),
         ("fixed base", "stated", "the root link is free until it is welded"),
     ),
     *rows(
         "Drake",
         "1.51.1",
         "urdf",
-        _TODAY,
+        _NOV_27,
         ("visuals in GLB", "stated", "shown by none of its renderers, with a warning: they show OBJ"),
         ("loops", "stated", "left open, as a URDF has none: close them in the plant"),
         ("relations", "stated", "a plant in continuous time refuses to simulate them: give it a time step"),
@@ -45,62 +47,66 @@ READERS: tuple[ReaderRow, ...] = (
         "Drake",
         "1.51.1",
         "sdf",
-        _DAY,
+        _NOV_23,
         ("colliders in STL", "replaced", _OBJ),
-        ("friction", "stated", "left out, without a word"),
+        ("friction", "stated", "dropped silently"),
         ("loops", "refused", "refuses the file"),
-        ("relations", "refused", "left out, without a word: it has them from a URDF"),
+        ("relations", "refused", "dropped silently: it reads them from a URDF"),
     ),
     *rows(
         "Drake",
         "1.51.1",
         "mjcf",
-        _DAY,
+        _NOV_23,
         ("meshes in STL", "replaced", _OBJ),
-        ("friction", "stated", "left out, with a warning"),
-        ("effort", "stated", "left out, with a warning"),
+        ("friction", "stated", "dropped, with a warning"),
+        ("effort", "stated", "dropped, with a warning"),
         ("loops", "refused", "left open, with a warning: it has no equalities of sites"),
-        ("relations", "refused", "left out, with a warning: it has them from a URDF"),
-        ("keyframes", "stated", "left out, with a warning"),
+        ("relations", "refused", "dropped, with a warning: it reads them from a URDF"),
+        ("keyframes", "stated", "dropped, with a warning"),
     ),
     *rows(
         "PyBullet",
         "3.2.7",
         "urdf",
-        _DAY,
+        _NOV_23,
         ("inertia", "stated", "from colliders, unless URDF_USE_INERTIA_FROM_FILE is given"),
-        ("relations", "refused", "left out, without a word: what follows moves freely"),
+        ("relations", "refused", "dropped silently: followers move freely"),
         ("loops", "refused", "left open, as a URDF has none"),
         ("fixed base", "stated", "the root link is free, unless useFixedBase is given"),
-        ("frames", "replaced", "1 kg each: a build for it has `export.urdf.frame_inertia: tiny`"),
+        (
+            "frames",
+            "replaced",
+            "gives each frame 1 kg: a build for it sets `export.urdf.frame_inertia: tiny`",
+        ),
     ),
     *rows(
         "PyBullet",
         "3.2.7",
         "urdf",
-        _TODAY,
+        _NOV_27,
         ("visuals in GLB", "refused", "refuses the file: `mesh.format: obj` or `stl`"),
     ),
     *rows(
         "PyBullet",
         "3.2.7",
         "sdf",
-        _DAY,
-        ("fixed base", "refused", "refuses the file: a joint to the world is unknown to it"),
+        _NOV_23,
+        ("fixed base", "refused", "refuses the file: it does not know joints to the world"),
         ("balls", "refused", "refuses the file"),
     ),
     *rows(
         "PyBullet",
         "3.2.7",
         "sdf",
-        _TODAY,
-        ("everything", "refused", "puts every link at the origin: `relative_to` is unknown to it"),
+        _NOV_27,
+        ("everything", "refused", "puts every link at the origin: it does not know `relative_to`"),
     ),
     *rows(
         "PyBullet",
         "3.2.7",
         "mjcf",
-        _DAY,
+        _NOV_23,
         ("everything", "refused", "nothing moves: it reads no classes of joints and geoms"),
     ),
     *MUJOCO_READERS,
@@ -108,7 +114,7 @@ READERS: tuple[ReaderRow, ...] = (
         "Pinocchio",
         "4.1.0",
         "urdf",
-        _DAY,
+        _NOV_23,
         (
             "relations",
             "stated",
@@ -119,7 +125,7 @@ READERS: tuple[ReaderRow, ...] = (
         "Pinocchio",
         "4.1.0",
         "urdf",
-        _TODAY,
+        _NOV_27,
         ("loops", "stated", "left open, as a URDF has none: robot.json has them for its constraints"),
         ("visuals in GLB", "stated", "shown without their colours"),
     ),
@@ -136,15 +142,15 @@ READERS: tuple[ReaderRow, ...] = (
         "sdformat",
         "12.3",
         "sdf",
-        _DAY,
-        ("relations", "stated", "`<mimic>` is unknown to it, as to Gazebo Fortress"),
+        _NOV_23,
+        ("relations", "stated", "it does not know `<mimic>`, nor does Gazebo Fortress"),
     ),
     ReaderRow(
         "Gazebo with DART",
         "Harmonic",
         "sdf",
         "relations",
-        "left out, with an error; the engine bullet-featherstone has them",
+        "dropped, with an error; the engine bullet-featherstone has them",
         "refused",
         source="https://github.com/gazebosim/gz-physics/issues/432",
     ),
@@ -163,29 +169,29 @@ READERS: tuple[ReaderRow, ...] = (
         "Newton",
         "1.8.0",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         ("starts of joints", "stated", "values of joints count from `ref`, but controls do not"),
-        ("keyframes", "stated", "left out: it starts at zero"),
-        ("sensors", "stated", "left out, without a word"),
-        ("cameras", "stated", "left out, without a word"),
-        ("gravity", "stated", "left out: it is the scene's, which is given to ModelBuilder"),
-        ("noslip iterations", "stated", "left out, without a word"),
+        ("keyframes", "stated", "dropped: it starts at zero"),
+        ("sensors", "stated", "dropped silently"),
+        ("cameras", "stated", "dropped silently"),
+        ("gravity", "stated", "dropped: gravity is an argument of ModelBuilder"),
+        ("noslip iterations", "stated", "dropped silently"),
         (
             "pid servos",
             "replaced",
-            f"left out, without a word: {POSITION_FOR_PID}",
+            f"dropped silently: {POSITION_FOR_PID}",
         ),
-        ("orientation servos", "refused", "left out, without a word"),
-        ("adhesion", "refused", "left out, without a word"),
-        ("pneumatic cylinders", "refused", "left out, without a word"),
-        ("delays of actuators", "refused", "left out, without a word: controls act at once"),
+        ("orientation servos", "refused", "dropped silently"),
+        ("adhesion", "refused", "dropped silently"),
+        ("pneumatic cylinders", "refused", "dropped silently"),
+        ("delays of actuators", "refused", "dropped silently: controls act at once"),
         (
             "time constants of servos",
             "refused",
-            "left out, without a word: it has those of a `general` actuator with `dyntype` filterexact",
+            "dropped silently: it has those of a `general` actuator with `dyntype` filterexact",
         ),
-        ("cones", "refused", "left out, without a word: its ball joints have no limits"),
-        ("spring-dampers", "refused", "left out, without a word: it has `stiffness` and `damping`"),
+        ("cones", "refused", "dropped silently: its ball joints have no limits"),
+        ("spring-dampers", "refused", "dropped silently: it has `stiffness` and `damping`"),
         ("polynomials of damping", "refused", "refuses the file"),
         ("saturated servos", "stated", SLOWER),
     ),
@@ -193,36 +199,36 @@ READERS: tuple[ReaderRow, ...] = (
         "Newton",
         "1.8.0",
         "urdf",
-        _TODAY,
-        ("loops", "stated", "left open, as a URDF has none: it has them from an MJCF or a USD"),
+        _NOV_27,
+        ("loops", "stated", "left open, as a URDF has none: it reads them from an MJCF or a USD"),
         ("velocity", "stated", "kept in its model; its MuJoCo solver does not limit velocities"),
     ),
     *rows(
         "Newton",
         "1.8.0",
         "usd",
-        _DAY,
+        _NOV_23,
         ("keyframes", "stated", "starts at zero, unless SchemaResolverPhysx is given"),
-        ("cones", "stated", "left out, without a word"),
+        ("cones", "stated", "dropped silently"),
     ),
     *rows(
         "PhysX",
         "ovphysx 0.7.0",
         "usd",
-        _DAY,
+        _NOV_23,
         ("loops", "refused", "pushed at the start, or lost (NaN)"),
     ),
-    ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "left out, without a word", "stated", source=_ISAAC),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "dropped silently", "stated", source=_ISAAC),
     ReaderRow(
         "Isaac Sim",
         "6.1.0",
         "urdf",
         "loops",
-        "left open, as a URDF has none: it has them from a USD",
+        "left open, as a URDF has none: it reads them from a USD",
         "stated",
         source=_ISAAC_URDF,
     ),
-    ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "left out, without a word", "stated", source=_ISAAC),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "dropped silently", "stated", source=_ISAAC),
 )
 """All rows, in the order of the page."""
 
@@ -234,23 +240,23 @@ COMPLETE_READERS: tuple[tuple[str, str, str], ...] = (
 measured. Pinocchio reads mimic only with mimic=True."""
 
 
-def rows_of(target: str, form: str, version: str | None = None) -> Iterator[ReaderRow]:
+def rows_of(target: str, file_format: str, version: str | None = None) -> Iterator[ReaderRow]:
     """Yields the rows of a target's readers for a format. If MuJoCo compiles the engine's models, these are
     the engine's rows for the format and for MJCF, then MuJoCo's rows for the format about other things.
     `version`: the version of MuJoCo; None for the engine's own."""
     engine = ENGINES[target]
     if engine.mujoco is None:
-        yield from (row for row in READERS if row.reader in engine.readers and row.format == form)
+        yield from (row for row in READERS if row.reader in engine.readers and row.format == file_format)
         return
     # Such an engine sees any format as the MJCF that MuJoCo compiles from it.
-    models = [
+    engine_rows = [
         row
         for row in READERS
-        if row.reader in engine.readers and row.reader != MUJOCO and row.format in (form, "mjcf")
+        if row.reader in engine.readers and row.reader != MUJOCO and row.format in (file_format, "mjcf")
     ]
-    yield from models
-    things = {row.thing for row in models}
+    yield from engine_rows
+    engine_things = {row.thing for row in engine_rows}
     for row in READERS:
-        applies = row.reader == MUJOCO and row.version == (version or engine.mujoco) and row.format == form
-        if applies and row.thing not in things:
+        is_mujoco = row.reader == MUJOCO and row.version == (version or engine.mujoco)
+        if is_mujoco and row.format == file_format and row.thing not in engine_things:
             yield row

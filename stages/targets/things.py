@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.robot import Dof, Robot
 
 
-def dropped_things(
+def reader_rows_of_robot(
     robot: "Robot",
     geometry: "Geometry",
     formats: Sequence[str],
@@ -23,7 +23,7 @@ def dropped_things(
     """Returns the rows of the table of readers about things that this robot has, in these formats. Each lists
     the names of these things (`of`). A row about one of the `targets` (name → version of MuJoCo) also says
     how the build responds (`target`)."""
-    names = _names(robot, geometry)
+    names = _names_by_thing(robot, geometry)
     targeted = {
         row
         for name, version in targets.items()
@@ -46,23 +46,24 @@ def dropped_things(
     ]
 
 
-def of_robot(row: ReaderRow, robot: "Robot", geometry: "Geometry") -> list[str]:
+def names_in_robot(row: ReaderRow, robot: "Robot", geometry: "Geometry") -> list[str]:
     """Returns the names of the things that a row concerns in a robot; an empty list for things that are found
     only in files."""
-    return _names(robot, geometry).get(row.thing, [])
+    find = _FINDERS.get(row.thing)
+    return [*find(robot, geometry)] if find is not None else []
 
 
-def _names(robot: "Robot", geometry: "Geometry") -> dict[Thing, list[str]]:
+def _names_by_thing(robot: "Robot", geometry: "Geometry") -> dict[Thing, list[str]]:
     """Returns, for each thing in `_FINDERS`, the names of such things in a robot."""
     return {thing: [*find(robot, geometry)] for thing, find in _FINDERS.items()}
 
 
-def _dofs(test: "Callable[[Dof], object]") -> "Callable[[Robot, Geometry], Iterator[str]]":
+def _dofs_with(test: "Callable[[Dof], object]") -> "Callable[[Robot, Geometry], Iterator[str]]":
     """Returns a function that finds the dofs that pass a test."""
     return lambda robot, _: (dof.name for dof in robot.dofs if test(dof))
 
 
-def _files(*roles: str) -> "Callable[[Robot, Geometry], Iterator[str]]":
+def _stl_files(*roles: str) -> "Callable[[Robot, Geometry], Iterator[str]]":
     """Returns a function that finds the STL files of shapes in these roles."""
 
     def find(_: "Robot", geometry: "Geometry") -> Iterator[str]:
@@ -73,26 +74,26 @@ def _files(*roles: str) -> "Callable[[Robot, Geometry], Iterator[str]]":
 
 
 _FINDERS: Mapping[Thing, "Callable[[Robot, Geometry], Iterator[str]]"] = {
-    "balls": _dofs(lambda dof: dof.kind == "ball"),
-    "colliders in STL": _files("collision"),
-    "cones": _dofs(lambda dof: dof.kind == "ball" and dof.limits.upper is not None),
-    "damping": _dofs(lambda dof: dof.dynamics.damping),
-    "effort": _dofs(lambda dof: dof.dynamics.effort),
+    "balls": _dofs_with(lambda dof: dof.kind == "ball"),
+    "colliders in STL": _stl_files("collision"),
+    "cones": _dofs_with(lambda dof: dof.kind == "ball" and dof.limits.upper is not None),
+    "damping": _dofs_with(lambda dof: dof.dynamics.damping),
+    "effort": _dofs_with(lambda dof: dof.dynamics.effort),
     # The joints that move are what such a reader loses.
     "everything": lambda robot, _: (joint.name for joint in robot.joints if joint.dofs),
-    "fixed base": lambda robot, _: iter([robot.root.name] * robot.base.fixed),
+    "fixed base": lambda robot, _: iter([robot.root.name] if robot.base.fixed else []),
     "frames": lambda robot, _: (frame.name for frame in robot.frames),
-    "friction": _dofs(lambda dof: dof.dynamics.friction),
+    "friction": _dofs_with(lambda dof: dof.dynamics.friction),
     "inertia": lambda robot, _: (link.name for link in robot.links if link.inertial.mass),
     "keyframes": lambda robot, _: iter(("home", "cad") if robot.dofs else ()),
     "loops": lambda robot, _: (loop.name for loop in robot.loops),
-    "meshes in STL": _files("visual", "collision"),
+    "meshes in STL": _stl_files("visual", "collision"),
     "relations": lambda robot, _: (relation.follower for relation in robot.relations),
-    "saturated servos": _dofs(lambda dof: dof.dynamics.effort),
+    "saturated servos": _dofs_with(lambda dof: dof.dynamics.effort),
     "starts of joints": lambda robot, _: (
         name for name, value in starting_point(robot).items() if isinstance(value, float) and value
     ),
-    "velocity": _dofs(lambda dof: dof.dynamics.velocity),
+    "velocity": _dofs_with(lambda dof: dof.dynamics.velocity),
     "visuals in GLB": lambda _, geometry: iter(sorted({str(whole.file) for whole in geometry.whole_visuals})),
 }
 """Thing → a function that finds the names of such things in a robot. Other things are found only in its

@@ -24,7 +24,7 @@ from linkwright.stages.validate.files.model_config import model_config
 from linkwright.stages.validate.files.run import check_folder
 from linkwright.stages.validate.format_checks import FORMAT_CHECKS
 from linkwright.stages.validate.model.coordinates import missing_names
-from linkwright.stages.validate.readiness.finished import Finished
+from linkwright.stages.validate.readiness.finished import FinishedRobot
 from linkwright.stages.validate.readiness.score import score
 from linkwright.stages.validate.reading.guarded import guarded
 from linkwright.stages.validate.rows import ModelCheck
@@ -126,7 +126,7 @@ def readiness(folder: Path, written: Written, checks: Sequence[Check]) -> Iterat
         # scene if there is one.
         model = engine.load(paths[-1]).model if paths and paths[0].name != SCENE else None
         if model is not None:
-            yield score(Finished(folder, written.as_mjcf.robot, model, checks, written.geometry))
+            yield score(FinishedRobot(folder, written.as_mjcf.robot, model, checks, written.geometry))
 
 
 def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:

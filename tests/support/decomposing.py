@@ -8,11 +8,11 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import Improvement, helper
 from linkwright.stages.mesh.colliders import coacd
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import Search, convex_pieces
+from linkwright.stages.mesh.decompose import CoacdParameters, convex_pieces
 from linkwright.stages.mesh.surfaces.pieces import surface_of
 from linkwright.stages.robot.errors import DecompositionFailed
 
-DEFAULT = Search()
+DEFAULT = CoacdParameters()
 
 
 def task(surface, tolerance=0.001, **options):
@@ -27,10 +27,10 @@ def improved(work, **of_guest):
         return improvement.improved(work, guest)
 
 
-def decompose(surface, tolerance, most_vertices=64, search=DEFAULT):
+def decompose(surface, tolerance, most_vertices=64, parameters=DEFAULT):
     """The convex pieces of a surface, joined, sorted. DecompositionFailed, with the reason, where there are
     none."""
-    made = convex_pieces(surface, tolerance, search)
+    made = convex_pieces(surface, tolerance, parameters)
     if isinstance(made, str):
         raise DecompositionFailed(made)
     cutter = PieceCutter(judge(surface, tolerance), most_vertices)

@@ -41,7 +41,7 @@ def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfE
     )
     names = _names(robot, geometry, replace(extras, mounted=mounted))
     excluded_pairs = _excluded_pairs(geometry)
-    recounted = {("joint", dof.name) for dof in robot.dofs if dof.in_mate != AS_THE_MATE}
+    recounted = {("joint", dof.name) for dof in robot.dofs if dof.mate_value != AS_THE_MATE}
     shapes_unknown = not geometry.shapes
 
     def kept_elements(section: MjcfElement) -> Iterator[MjcfElement]:

@@ -179,5 +179,5 @@ def _along_axis(pose: Array, loop: Loop) -> Array:
     point = np.array(pose)
     (dof,) = loop.dofs
     # Along the axis of the mate: the sign with which the user counts must not move the point.
-    point[:3, 3] += pose[:3, :3] @ dof.axis * dof.in_mate.sign * loop.lever
+    point[:3, 3] += pose[:3, :3] @ dof.axis * dof.mate_value.sign * loop.lever
     return point

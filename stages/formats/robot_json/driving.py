@@ -5,16 +5,16 @@ from typing import Annotated, Any
 
 from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key, PairRecord
 from linkwright.stages.formats.robot_json.values import (
+    Coordinate,
     DofName,
     Forces,
     LinkName,
     Number,
     Pose,
     Range,
-    Short,
+    SixDigits,
     Sizes,
     TextPairs,
-    Turned,
 )
 from linkwright.stages.robot.model.actuation import Actuation, Actuator, ActuatorType, Armature
 from linkwright.stages.robot.model.sensing import (
@@ -62,11 +62,11 @@ class ActuatorRecord(JsonRecord[Actuator]):
     terms: TextPairs = ()
     control: Range | None
     force: Range | None
-    home: Turned
-    load: Short | None
-    home_load: Annotated[Short | None, UNREAD]
+    home: Coordinate
+    load: SixDigits | None
+    home_load: Annotated[SixDigits | None, UNREAD]
     holds: Forces = ()
-    sag: Annotated[Short | None, UNREAD]
+    sag: Annotated[SixDigits | None, UNREAD]
     estimated: tuple[str, ...]
     motor: str = ""
     sources: Annotated[TextPairs, Key("provenance")] = ()

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+from linkwright.stages.formats.robot_json import values
 from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
-from linkwright.stages.formats.robot_json.values import DofName, ExactValue, LinkName, Pose, ShortRange, short
+from linkwright.stages.formats.robot_json.values import DofName, ExactValue, LinkName, Pose
 from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
@@ -42,7 +43,7 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
     driver: DofName
     multiplier: float
     offset: float
-    range: ShortRange
+    range: values.SixDigitRange
     error: float
     exact: Annotated[bool, Key("mimic")]
 
@@ -52,7 +53,8 @@ class CouplingRecord(JsonRecord[LinearCoupling]):
         couplings have rounded numbers."""
         numbers = {"error": 0.0}
         if not value.exact:
-            numbers = {key: short(getattr(value, key)) for key in ("multiplier", "offset", "error")}
+            keys = ("multiplier", "offset", "error")
+            numbers = {key: values.six_digits(getattr(value, key)) for key in keys}
         return super().from_model(value, range=(value.low, value.high), **numbers)
 
     def to_model(self, **more: Any) -> LinearCoupling:

@@ -9,6 +9,7 @@ import numpy as np
 from linkwright.stages.formats.numbers import least_of
 from linkwright.stages.formats.robot_json.codec import INLINE, UNREAD, JsonRecord, Key
 from linkwright.stages.formats.robot_json.values import (
+    Coordinate,
     DofName,
     DofValue,
     Ends,
@@ -17,7 +18,6 @@ from linkwright.stages.formats.robot_json.values import (
     Pose,
     PoseRecord,
     Range,
-    Turned,
     Vector,
     as_float,
 )
@@ -83,7 +83,7 @@ class SpringRecord(JsonRecord[model.Spring]):
     """
 
     stiffness: Number
-    reference: Turned
+    reference: Coordinate
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class DofRecord(JsonRecord[model.Dof]):
     limits: Ends
     dynamics: Annotated[DynamicsRecord, INLINE]
     saved: DofValue
-    in_mate: Annotated[MateValueRecord, Key("mate")]
+    mate_value: Annotated[MateValueRecord, Key("mate")]
     spring: SpringRecord | None = None
     mate_quat: Annotated[DofValue | None, UNREAD] = None
     unset: Annotated[tuple[str, ...] | None, UNREAD] = None
@@ -153,8 +153,10 @@ class DofRecord(JsonRecord[model.Dof]):
     def to_model(self, **more: Any) -> model.Dof:
         # A written axis has unit length only up to its last digit.
         axis = np.zeros(3) if self.axis is None else self.axis / (np.linalg.norm(self.axis) or 1.0)
-        named = {"lower": "limits", "upper": "limits"}
-        configured = [named.get(key, key) for key, origin in self.provenance.items() if origin == "given"]
+        key_of_end = {"lower": "limits", "upper": "limits"}
+        configured = [
+            key_of_end.get(key, key) for key, origin in self.provenance.items() if origin == "given"
+        ]
         return super().to_model(
             axis=model.frozen(axis),
             origin=UNMOVED if self.origin is None else self.origin.to_model(),
@@ -215,7 +217,7 @@ class LoopRecord(JsonRecord[model.Loop]):
     urdf: Annotated[tuple[str, str], UNREAD]
     mimic: bool
     dofs: tuple[DofRecord, ...]
-    residual: Turned
+    residual: Coordinate
     lever: Number
     solref: Range
     mate: Annotated[MateRecord | None, Key("cad")]
@@ -239,7 +241,7 @@ class RelationRecord(JsonRecord[model.Relation]):
     follower: DofName
     driver: DofName
     multiplier: Number
-    offset: Turned
+    offset: Coordinate
 
 
 @dataclass(frozen=True)

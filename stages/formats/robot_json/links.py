@@ -10,9 +10,9 @@ from linkwright.stages.formats.robot_json.values import (
     Colour,
     Lengths,
     Number,
-    Place,
     Pose,
     PoseRecord,
+    Position,
     Tensor,
 )
 from linkwright.stages.robot.model import robot as model
@@ -31,7 +31,7 @@ class InertialRecord(JsonRecord[model.Inertial]):
     """
 
     mass: Number
-    com: Place
+    com: Position
     inertia: Tensor
 
 

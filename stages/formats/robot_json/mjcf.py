@@ -11,8 +11,8 @@ from linkwright.stages.formats.robot_json.values import (
     Pose,
     RootValue,
     SettingPairs,
+    TextListPairs,
     TextPairs,
-    TextsPairs,
 )
 from linkwright.stages.robot.model import mjcf_extras
 
@@ -111,7 +111,7 @@ class MjcfRecord(JsonRecord[mjcf_extras.MjcfExtras]):
     attributes: tuple[MjcfAttributesRecord, ...]
     mounted: tuple[MjcfMountedRecord, ...]
     sections: tuple[MjcfElementRecord, ...]
-    order: TextsPairs
+    order: TextListPairs
     scene: tuple[MjcfElementRecord, ...]
     scene_qpos: ExactNumbers
     keyframes: tuple[MjcfKeyframeRecord, ...]

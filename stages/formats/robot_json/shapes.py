@@ -5,7 +5,14 @@ from typing import Annotated, Any
 
 from linkwright.stages.formats.robot_json.codec import UNREAD, JsonRecord, Key
 from linkwright.stages.formats.robot_json.links import PrimitiveRecord
-from linkwright.stages.formats.robot_json.values import Bounds, Colour, LinkName, Short, TextPairs, each_of
+from linkwright.stages.formats.robot_json.values import (
+    Bounds,
+    Colour,
+    LinkName,
+    SixDigits,
+    TextPairs,
+    numbers_by_own_scale,
+)
 from linkwright.stages.robot.model.geom_form import PLAIN, ContactProperties, GeomForm
 from linkwright.stages.robot.model.geometry import Exclude, ExcludeReason, Role, Shape, Touch
 
@@ -27,10 +34,10 @@ class ContactRecord(JsonRecord[ContactProperties]):
         finds a common bit.
     """
 
-    friction: Annotated[tuple[float, float, float] | None, each_of(3)] = None
+    friction: Annotated[tuple[float, float, float] | None, numbers_by_own_scale(3)] = None
     condim: int | None = None
-    solref: Annotated[tuple[float, float] | None, each_of(2)] = None
-    solimp: Annotated[tuple[float, float, float, float, float] | None, each_of(5)] = None
+    solref: Annotated[tuple[float, float] | None, numbers_by_own_scale(2)] = None
+    solimp: Annotated[tuple[float, float, float, float, float] | None, numbers_by_own_scale(5)] = None
     margin: float | None = None
     priority: int | None = None
     solmix: float | None = None
@@ -82,8 +89,8 @@ class ShapeRecord(JsonRecord[Shape]):
     texture: str | None
     vertices: int
     faces: int
-    area: Short
-    volume: Short
+    area: SixDigits
+    volume: SixDigits
     contact: ContactRecord | None
     collider: int | None
     bounds: Bounds | None
@@ -117,8 +124,8 @@ class WholeVisualRecord(JsonRecord[Shape]):
     file: str
     vertices: int
     faces: int
-    area: Short
-    volume: Short
+    area: SixDigits
+    volume: SixDigits
     bounds: Bounds
 
     def to_model(self, **more: Any) -> Shape:
@@ -158,7 +165,7 @@ class ExcludeRecord(JsonRecord[Exclude]):
     link_a: LinkName
     link_b: LinkName
     reason: ExcludeReason
-    depth: Short
+    depth: SixDigits
     geoms: tuple[tuple[int, int], ...]
 
 
@@ -173,4 +180,4 @@ class TouchRecord(JsonRecord[Touch]):
 
     link_a: LinkName
     link_b: LinkName
-    depth: Short
+    depth: SixDigits

@@ -41,7 +41,7 @@ def as_value(value: Value) -> Any:
     return as_floats(np.array(value), TURN)
 
 
-def short(value: float) -> float:
+def six_digits(value: float) -> float:
     """Rounds a value to six digits: results from many poses differ in later digits between machines. Values
     up to 1e-9 are noise and become 0."""
     return float(f"{value:.6g}") if abs(value) > 1e-9 else 0.0
@@ -50,7 +50,7 @@ def short(value: float) -> float:
 _finite = form_of(float).read
 
 
-def _kept(value: Any) -> Any:
+def _unchanged(value: Any) -> Any:
     return value
 
 
@@ -76,7 +76,8 @@ def _vector(least: float = 0.0) -> Form:
     return Form(form.write, lambda data, names: frozen(form.read(data, names)), form.schema)
 
 
-def _each(write: Callable[[float], float]) -> Callable[[Iterable[float]], list[float]]:
+def _write_each(write: Callable[[float], float]) -> Callable[[Iterable[float]], list[float]]:
+    """Returns a function that writes each number of a list by `write`."""
     return lambda values: [write(value) for value in values]
 
 
@@ -114,13 +115,13 @@ def _read_setting(data: Any, names: Names) -> Setting:
 
 
 def _setting(write: Callable[[float], float]) -> Form:
-    def written(value: Setting) -> Any:
+    def write_setting(value: Setting) -> Any:
         if isinstance(value, str):
             return value
         return as_floats(value) if isinstance(value, tuple) else write(value)
 
     kinds = [{"type": "string"}, {"type": "number"}, {"type": "array", "items": {"type": "number"}}]
-    return Form(written, _read_setting, {"anyOf": kinds})
+    return Form(write_setting, _read_setting, {"anyOf": kinds})
 
 
 def pairs_of(form: Form) -> Form:
@@ -128,25 +129,26 @@ def pairs_of(form: Form) -> Form:
     return table_of(form, lambda pairs: tuple(pairs.items()))
 
 
-_DOF_VALUE = Form(as_value, _read_value, {"anyOf": [{"type": "number"}, _numbers(_kept, 4, 7).schema]})
+_DOF_VALUE = Form(as_value, _read_value, {"anyOf": [{"type": "number"}, _numbers(_unchanged, 4, 7).schema]})
 _PAIRS = form_of(Mapping[str, tuple[str, str]])
 
 Number = Annotated[float, _number(as_float)]
-Turned = Annotated[float, _number(partial(as_float, least=TURN))]
-"""A number with a scale of at least 1, such as an angle [rad]: up to 1e-12 it counts as 0."""
+Coordinate = Annotated[float, _number(partial(as_float, least=TURN))]
+"""A value of a dof, or a difference of such values [rad or m], with a scale of at least 1: up to 1e-12 it
+counts as 0."""
 
-Short = Annotated[float, _number(short)]
+SixDigits = Annotated[float, _number(six_digits)]
 """A number in six digits."""
 
 Vector = Annotated[Array, _vector()]
-Place = Annotated[Array, _vector(LENGTH)]
+Position = Annotated[Array, _vector(LENGTH)]
 """A position (3,) [m], with a scale of at least 0.1 m: entries up to 1e-13 m count as 0."""
 
 Tensor = Annotated[Array, _tensor(as_floats)]
 ExactTensor = Annotated[Array, _tensor(lambda axes: np.asarray(axes, dtype=float).tolist())]
 """A 3x3 tensor with all digits."""
 
-Quat = Annotated[Array, Form(as_floats, _read_quat, _numbers(_kept, 4).schema)]
+Quat = Annotated[Array, Form(as_floats, _read_quat, _numbers(_unchanged, 4).schema)]
 DofValue = Annotated[Value, _DOF_VALUE]
 
 Ends = Annotated[
@@ -156,18 +158,18 @@ Ends = Annotated[
 """Two numbers, each of which may be null."""
 
 Range = Annotated[tuple[float, float], _numbers(as_floats, 2)]
-ShortRange = Annotated[tuple[float, float], _numbers(_each(short), 2)]
+SixDigitRange = Annotated[tuple[float, float], _numbers(_write_each(six_digits), 2)]
 """Two numbers in six digits each."""
 
 Friction = Annotated[tuple[float, float, float], _numbers(as_floats, 3)]
-Colour = Annotated[tuple[float, float, float, float], _numbers(_each(as_float), 4)]
-Lengths = Annotated[tuple[float, ...], _numbers(_each(as_float))]
+Colour = Annotated[tuple[float, float, float, float], _numbers(_write_each(as_float), 4)]
+Lengths = Annotated[tuple[float, ...], _numbers(_write_each(as_float))]
 """Lengths [m], each rounded by its own scale."""
 
 Sizes = Annotated[tuple[float, ...], _numbers(as_floats)]
 """Sizes, all rounded by the largest of them."""
 
-Bounds = Annotated[tuple[float, ...], _numbers(_each(short), 6)]
+Bounds = Annotated[tuple[float, ...], _numbers(_write_each(six_digits), 6)]
 """The smallest x, y and z, and the largest, in six digits each."""
 
 ExactNumbers = Annotated[tuple[float, ...], _numbers(list)]
@@ -177,9 +179,9 @@ RootValue = Annotated[tuple[float, ...], _numbers(list, 0, 7)]
 """Position and quaternion of a floating root; empty for a fixed root."""
 
 
-def each_of(count: int) -> Form:
+def numbers_by_own_scale(count: int) -> Form:
     """Returns the form of `count` numbers, each rounded by its own scale."""
-    return _numbers(_each(as_float), count)
+    return _numbers(_write_each(as_float), count)
 
 
 TextPairs = Annotated[tuple[tuple[str, str], ...], pairs_of(form_of(str))]
@@ -193,12 +195,12 @@ NamePairs = Annotated[
 ]
 """(attribute, kind of the element that it names, name of that element) for each attribute."""
 
-TextsPairs = Annotated[tuple[tuple[str, tuple[str, ...]], ...], pairs_of(form_of(tuple[str, ...]))]
-ExactValue = Annotated[float | tuple[float, ...], replace(_DOF_VALUE, write=_kept)]
+TextListPairs = Annotated[tuple[tuple[str, tuple[str, ...]], ...], pairs_of(form_of(tuple[str, ...]))]
+ExactValue = Annotated[float | tuple[float, ...], replace(_DOF_VALUE, write=_unchanged)]
 """A dof's value with all digits."""
 
 SettingValue = Annotated[Setting, _setting(as_float)]
-SettingPairs = Annotated[tuple[tuple[str, Setting], ...], pairs_of(_setting(_kept))]
+SettingPairs = Annotated[tuple[tuple[str, Setting], ...], pairs_of(_setting(_unchanged))]
 Forces = Annotated[tuple[tuple[str, float], ...], pairs_of(_number(partial(as_float, least=FORCE)))]
 Values = Annotated[tuple[tuple[str, float], ...], pairs_of(Form(as_value, _finite, form_of(float).schema))]
 
@@ -214,7 +216,7 @@ class PoseRecord(JsonRecord[Array]):
     quat: its orientation, a quaternion (w, x, y, z).
     """
 
-    xyz: Place
+    xyz: Position
     quat: Quat
 
     @classmethod

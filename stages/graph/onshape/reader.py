@@ -18,7 +18,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Path
 from linkwright.stages.graph.onshape.bodies import Bodies, find_bodies
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.hidden import without_hidden
-from linkwright.stages.graph.onshape.mass.part_mass import SHEET, Weight, part_key, weighed
+from linkwright.stages.graph.onshape.mass.part_mass import SHEET, PartMass, part_key, part_masses
 from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, dofs_of, right_handed
 from linkwright.stages.graph.onshape.mates.limits import with_limits
@@ -35,7 +35,7 @@ from linkwright.stages.robot.model.robot import MeshRef, Part, Provenance, froze
 from linkwright.stages.robot.motion.kinematics import chain
 from linkwright.stages.robot.text.names import legal
 
-Weights = Mapping[Path, Weight]
+PartMasses = Mapping[Path, PartMass]
 
 
 def read_mechanism(
@@ -53,13 +53,13 @@ def read_mechanism(
         assembly, keys = translate_names(assembly, keys, log)
     assembly = with_copies(assembly, keys, PartSolids(assembly, bundle), log)
     _require_mates(assembly, keys)
-    weights = weighed(assembly, bundle, keys.mass, log)
+    masses = part_masses(assembly, bundle, keys.mass, log)
     bodies, absorbed = _combined_bodies(assembly, keys, log)
-    names = name_everything(assembly, bodies, {path: weight.volume for path, weight in weights.items()})
+    names = name_everything(assembly, bodies, {path: part_mass.volume for path, part_mass in masses.items()})
     _report_names(assembly, bodies, names, log)
     connections = tuple(_connection(mate, assembly, bodies, names) for mate in bodies.moving)
     mechanism = Mechanism(
-        bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
+        bodies=tuple(_bodies(assembly, bodies, names, masses, bundle)),
         connections=connections,
         relations=tuple(_relations(assembly, connections, absorbed)),
         markers=tuple(_markers(assembly, bodies, names, log)),
@@ -98,7 +98,7 @@ def _combined_bodies(
 
 
 def _bodies(
-    assembly: Assembly, bodies: Bodies, names: AssemblyNames, weights: Weights, bundle: OnshapeBundle
+    assembly: Assembly, bodies: Bodies, names: AssemblyNames, masses: PartMasses, bundle: OnshapeBundle
 ) -> Iterator[RigidBody]:
     tessellations = {studio.key: studio.tessellation for studio in bundle.studios}
     for number, members in enumerate(bodies.members):
@@ -108,7 +108,7 @@ def _bodies(
             occurrence = assembly.occurrences[path]
             key = part_key(occurrence.record)
             reply = tessellations.get(key[0])
-            weight = weights[path]
+            part_mass = masses[path]
             parts.append(
                 Part(
                     path=path,
@@ -117,11 +117,11 @@ def _bodies(
                     mesh=MeshRef(reply, key[1]) if reply else None,
                     link_from_part=occurrence.world_from_occurrence,
                     world_from_part=occurrence.world_from_occurrence,
-                    inertial=weight.inertial,
-                    volume=weight.volume,
-                    collides=assembly.body_types.get(key) != SHEET or weight.inertial.mass > 0,
+                    inertial=part_mass.inertial,
+                    volume=part_mass.volume,
+                    collides=assembly.body_types.get(key) != SHEET or part_mass.inertial.mass > 0,
                     standard=key in assembly.standard,
-                    estimated=weight.estimated,
+                    estimated=part_mass.estimated,
                 )
             )
             for name in occurrence.names:

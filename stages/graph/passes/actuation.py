@@ -15,7 +15,7 @@ from linkwright.stages.robot.text.globs import name_list
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
     """Returns the robot with the mechanism's transmissions, controls, actuators and sensors, as far as their
     objects are still in the robot."""
-    mate_values = {dof.name: dof.in_mate for dof in robot.dofs}
+    mate_values = {dof.name: dof.mate_value for dof in robot.dofs}
     controls = tuple(with_counts(text, mate_values) for text in _controls(mechanism, robot, log))
     return replace(
         robot,
@@ -46,7 +46,7 @@ def _has_objects(robot: Robot, sensor: Sensor) -> bool:
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:
     dofs = {joint.mate.name: joint.dofs[:1] for joint in robot.joints if joint.mate}
     return tuple(
-        replace(transmission, joint=dof.name, reduction=transmission.reduction * dof.in_mate.sign)
+        replace(transmission, joint=dof.name, reduction=transmission.reduction * dof.mate_value.sign)
         for transmission in mechanism.transmissions
         for dof in dofs.get(transmission.joint, ())
     )

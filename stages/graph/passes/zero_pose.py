@@ -118,7 +118,7 @@ def _converted_dof(dof: Dof, count: MateValue) -> Dof:
     if count == AS_THE_MATE:
         return dof
     at_zero = motion(dof.kind, dof.axis, count.zero)
-    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), in_mate=count)
+    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), mate_value=count)
     if not isinstance(dof.saved, float):
         return replace(moved, saved=at_rest(dof.kind))
     limits = dof.limits.mapped(count.sign, count.inverse(0.0))

@@ -12,7 +12,7 @@ from linkwright.stages.formats.meshes.surface import Points, Surface, join_surfa
 from linkwright.stages.mesh.collide.acceptance import Judge
 from linkwright.stages.mesh.configuration.collider_settings import ContactSettings, default_tolerance
 from linkwright.stages.mesh.cut import planes
-from linkwright.stages.mesh.cut.chunk import Chunk, hull_of, hull_surface
+from linkwright.stages.mesh.cut.chunk import Chunk, hull_surface, qhull
 from linkwright.stages.mesh.cut.cutting import cut_by_plane, cut_costliest
 from linkwright.stages.mesh.cut.outside import Protrusion, ReachableSurface, SampledPiece
 from linkwright.stages.robot.model.geometry import Measures
@@ -137,7 +137,7 @@ def _halves(
     candidates = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
 
     def roughly(*sides: Points) -> float:
-        volume = sum(hull.volume for side in sides if (hull := hull_of(side)) is not None)
+        volume = sum(hull.volume for side in sides if (hull := qhull(side)) is not None)
         return round(float(volume), 12)
 
     best: tuple[float, list[tuple[Surface, Surface]]] = np.inf, []
@@ -153,6 +153,6 @@ def _halves(
         out = round(sum(outside.sampled(hull).volume for _, hull in sides_and_hulls), 15)
         if out < best[0]:
             best = out, sides_and_hulls
-    halves = [Chunk.around(*side_and_hull, max_vertices, chunk.collider_index) for side_and_hull in best[1]]
+    halves = [Chunk.of_hull(*side_and_hull, max_vertices, chunk.collider_index) for side_and_hull in best[1]]
     pieces = [half for half in halves if half is not None]
     return pieces if len(pieces) == len(halves) else []

@@ -19,57 +19,57 @@ _HOME_PENALTY = 1000
 
 
 @dataclass(eq=False)
-class Pair:
+class LinkPair:
     """Two links whose colliders may touch falsely, with the poses in which their hulls overlap although their
     meshes are apart."""
 
-    one: int
-    other: int
+    first_link: int
+    second_link: int
     """Indices of the links."""
-    one_from_other: Array
+    first_from_second: Array
     """Poses (n, 4, 4) of the second link relative to the first."""
-    borne: Numbers
+    allowed_depths: Numbers
     """Depth (n,) [m] by which the colliders may overlap in each pose."""
-    allowed: int
+    max_false_poses: int
     """Largest number of poses in which they may overlap by more."""
-    home: int
+    home_row: int
     """Row of the pose `home`, in which they may never overlap by more; -1 if it is not among the poses."""
-    stuck: bool = False
+    is_stuck: bool = False
     """Whether no cut improves the pair."""
-    vain: int = 0
+    vain_cuts: int = 0
     """Number of cuts in a row that hardly improved the pair."""
     poses: Any = field(init=False)
     """The poses in the form of the collision engine."""
-    _deeper: dict[tuple[Chunk, Chunk], Numbers] = field(default_factory=dict, init=False)
-    """The excess depths (n,) of two pieces that `of_chunks` has computed."""
+    _excess_by_chunks: dict[tuple[Chunk, Chunk], Numbers] = field(default_factory=dict, init=False)
+    """The excess depths (n,) of two pieces that `chunk_excess_depths` has computed."""
 
     def __post_init__(self) -> None:
-        self.poses = engine().poses(self.one_from_other)
+        self.poses = engine().poses(self.first_from_second)
 
-    def deeper(self, first: Any, second: Any, rows: npt.NDArray[np.int64]) -> Numbers:
+    def excess_depths(self, first: Any, second: Any, rows: npt.NDArray[np.int64]) -> Numbers:
         """Returns the excess depth (k,) [m] of two convex solids in the poses `rows`: how much deeper they
-        overlap than `borne` allows, at least 0."""
+        overlap than `allowed_depths` allows, at least 0."""
         depth_of = engine().depth
         depths = [depth_of(first, second, self.poses[row]) for row in rows.tolist()]
-        return np.maximum(np.array(depths, dtype=float) - self.borne[rows], 0.0)
+        return np.maximum(np.array(depths, dtype=float) - self.allowed_depths[rows], 0.0)
 
-    def of_chunks(self, first: Chunk, second: Chunk, within: Numbers | None = None) -> Numbers:
+    def chunk_excess_depths(self, first: Chunk, second: Chunk, within: Numbers | None = None) -> Numbers:
         """Returns the excess depths (n,) [m] of two pieces in all poses. `within` (n,): the excess depths of
         a piece of which one of the two is a part; where they are 0, so are the part's."""
         # `within` only saves time: the values are the same without it, so they are kept for any `within`.
-        if (first, second) not in self._deeper:
-            rows = np.arange(len(self.borne)) if within is None else np.flatnonzero(within)
-            depths = np.zeros(len(self.borne))
-            depths[rows] = self.deeper(first.convex, second.convex, rows)
-            self._deeper[first, second] = depths
-        return self._deeper[first, second]
+        if (first, second) not in self._excess_by_chunks:
+            rows = np.arange(len(self.allowed_depths)) if within is None else np.flatnonzero(within)
+            depths = np.zeros(len(self.allowed_depths))
+            depths[rows] = self.excess_depths(first.engine_solid, second.engine_solid, rows)
+            self._excess_by_chunks[first, second] = depths
+        return self._excess_by_chunks[first, second]
 
-    def false_at_home(self, deeper: Numbers) -> bool:
-        """Tells whether the colliders touch falsely at `home`. `deeper` (n,): the excess depths of the
+    def false_at_home(self, excess_depths: Numbers) -> bool:
+        """Tells whether the colliders touch falsely at `home`. `excess_depths` (n,): the excess depths of the
         pair."""
-        return self.home >= 0 and bool(deeper[self.home] > 0)
+        return self.home_row >= 0 and bool(excess_depths[self.home_row] > 0)
 
-    def badness(self, deeper: Numbers) -> int:
+    def badness(self, excess_depths: Numbers) -> int:
         """Returns the number of poses in which the colliders touch falsely, with a penalty for `home`, where
         that is never allowed."""
-        return int(np.count_nonzero(deeper > 0)) + _HOME_PENALTY * self.false_at_home(deeper)
+        return int(np.count_nonzero(excess_depths > 0)) + _HOME_PENALTY * self.false_at_home(excess_depths)

@@ -17,17 +17,17 @@ Bounds = tuple[Array, Array]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Near:
+class NearPair:
     """Indices of two links, and of the poses in which their boxes meet."""
 
-    one: int
-    other: int
+    first_link: int
+    second_link: int
     rows: npt.NDArray[np.int64]
 
 
 def near_pairs(
     world_from_link: Sequence[Array], bounds: Bounds, margin: float, apart: set[tuple[int, int]]
-) -> list[Near]:
+) -> list[NearPair]:
     """Returns the pairs of links whose boxes come within `margin` [m] of each other in some pose, in order.
     Pairs of `apart` (the smaller index first) are left out. `world_from_link`: poses (n, 4, 4) of each link.
 
@@ -49,7 +49,7 @@ def near_pairs(
     # A pair of links is coded as first * count + second; equal codes are next to each other.
     begins = [*np.flatnonzero(np.diff(codes, prepend=-1)).tolist(), len(codes)]
     return [
-        Near(int(codes[begin]) // count, int(codes[begin]) % count, rows[begin:end])
+        NearPair(int(codes[begin]) // count, int(codes[begin]) % count, rows[begin:end])
         for begin, end in pairwise(begins)
     ]
 

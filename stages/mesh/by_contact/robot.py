@@ -13,7 +13,7 @@ from linkwright.stages.mesh.by_contact import meeting
 from linkwright.stages.mesh.by_contact.ends import End
 from linkwright.stages.mesh.by_contact.fitting import EndFitter, EndToFit, FittedEnd, end_fitter
 from linkwright.stages.mesh.by_contact.links import Touchable, chunks_by_part, initial_chunks
-from linkwright.stages.mesh.by_contact.pair import Pair
+from linkwright.stages.mesh.by_contact.pair import LinkPair
 from linkwright.stages.mesh.by_contact.poses import near_pairs, relative
 from linkwright.stages.mesh.by_contact.request import POSES, ContactRequest, FalsePair
 from linkwright.stages.mesh.by_contact.search import PieceSearch
@@ -172,7 +172,7 @@ def _poses(robot: Robot, bodies: Sequence[Touchable], surfaces: Sequence[Surface
 
 def _pairs(
     request: ContactRequest, bodies: Sequence[Touchable], surfaces: Sequence[Surface], poses: Sequence[Array]
-) -> Iterator[Pair]:
+) -> Iterator[LinkPair]:
     """Yields the pairs that may be false, with the poses in which their meshes are apart and hulls
     overlap."""
     if request.apart is None:
@@ -191,32 +191,36 @@ def _pairs(
     meshes = {}
     count = len(poses[0]) - 1
     for near_pair in near_pairs(poses, (bounds[0], bounds[1]), 0.0, excluded):
-        first, second = hulls[near_pair.one], hulls[near_pair.other]
+        first, second = hulls[near_pair.first_link], hulls[near_pair.second_link]
         if first is None or second is None:
             continue
-        places = relative(poses[near_pair.one][near_pair.rows], poses[near_pair.other][near_pair.rows])
+        places = relative(
+            poses[near_pair.first_link][near_pair.rows], poses[near_pair.second_link][near_pair.rows]
+        )
         home = near_pair.rows == 0
         kept_rows = []
         for row, pose in enumerate(collision_engine.poses(places)):
-            if collision_engine.depth(first[0], second[0], pose) <= (
+            if collision_engine.depth(first.solid, second.solid, pose) <= (
                 HOME_MARGIN if home[row] else OVERLAP_MARGIN - _HULL_SLACK
             ):
                 continue
-            for number in (near_pair.one, near_pair.other):
+            for number in (near_pair.first_link, near_pair.second_link):
                 if number not in meshes:
                     meshes[number] = collision_engine.mesh(
                         surfaces[number].vertices, surfaces[number].triangles
                     )
             margin = HOME_MESH_MARGIN if home[row] else MESH_MARGIN
-            if not collision_engine.near(meshes[near_pair.one], meshes[near_pair.other], pose, margin):
+            if not collision_engine.near(
+                meshes[near_pair.first_link], meshes[near_pair.second_link], pose, margin
+            ):
                 kept_rows.append(row)
         if kept_rows:
             at_home = home[kept_rows]
             allowed_depths = np.where(at_home, HOME_MARGIN, OVERLAP_MARGIN)
             row = int(at_home.argmax()) if at_home.any() else -1
-            yield Pair(
-                near_pair.one,
-                near_pair.other,
+            yield LinkPair(
+                near_pair.first_link,
+                near_pair.second_link,
                 places[kept_rows],
                 allowed_depths,
                 int(MAX_FALSE_SHARE * count),
@@ -231,12 +235,12 @@ def _false_pairs(
     count = max(1, len(poses[0]) - 1)
     pairs = []
     for pair in search.pairs:
-        deeper = search.deeper(pair)
-        if pair.badness(deeper) > pair.allowed:
-            home = pair.false_at_home(deeper)
-            share = (int(np.count_nonzero(deeper)) - home) / count
-            names = bodies[pair.one].link, bodies[pair.other].link
-            pairs.append(FalsePair(*names, round(share, 4), home, round(float(deeper.max()), 6)))
+        depths = search.excess_depths(pair)
+        if pair.badness(depths) > pair.max_false_poses:
+            home = pair.false_at_home(depths)
+            share = (int(np.count_nonzero(depths)) - home) / count
+            names = bodies[pair.first_link].link, bodies[pair.second_link].link
+            pairs.append(FalsePair(*names, round(share, 4), home, round(float(depths.max()), 6)))
     return tuple(pairs)
 
 
@@ -257,7 +261,7 @@ def _ends(
         hulls = {
             link: hull
             for link in by_contact
-            if (hull := convex_hull(np.concatenate([chunk.corners for chunk in chunks[index_of[link]]])))
+            if (hull := convex_hull(np.concatenate([chunk.vertices for chunk in chunks[index_of[link]]])))
         }
         fine = meeting.with_jaws(
             robot,

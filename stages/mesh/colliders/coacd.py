@@ -11,7 +11,7 @@ from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.colliders import hull
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings, HullSettings
-from linkwright.stages.mesh.decompose import NOT_CLOSED, convex_pieces, search
+from linkwright.stages.mesh.decompose import NOT_CLOSED, coacd_parameters, convex_pieces
 
 
 def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
@@ -26,7 +26,9 @@ def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider:
     judge = Judge.of(join_surfaces(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return hull_collider.with_note(judge)
-    decomposition = convex_pieces(judge.surface, judge.tolerance, search(settings.effort, settings.coacd))
+    decomposition = convex_pieces(
+        judge.surface, judge.tolerance, coacd_parameters(settings.effort, settings.coacd)
+    )
     cutter = PieceCutter(judge, settings.max_vertices, settings.effort)
     if decomposition == NOT_CLOSED:
         pieces, note = cutter.cut().pieces, f"{NOT_CLOSED}: cut by planes"

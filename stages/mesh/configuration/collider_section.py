@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from linkwright.stages.mesh import COLLIDERS, PRIMITIVES
-from linkwright.stages.mesh.configuration.decompose_options import search
+from linkwright.stages.mesh.configuration.decompose_options import coacd_parameters
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.quantity_keys import PositiveLength
 from linkwright.stages.robot.section import Count, NonNegative, Section, Text, example, invalid
@@ -22,7 +22,7 @@ else:
 
 def _checked_coacd(parameters: dict[str, Any]) -> dict[str, Any]:
     try:
-        search("normal", parameters)
+        coacd_parameters("normal", parameters)
     except ConfigError as error:
         hint = f"; {error.hint}" if error.hint else ""
         raise invalid(f"{error.where.rpartition('.')[2]}: {error.message}{hint}") from None

@@ -33,9 +33,11 @@ _CHOICES: Mapping[str, tuple[str, ...]] = {
 }
 """The values of the parameters that are words."""
 
+_BOOLEANS = frozenset({"pca", "merge", "decimate", "extrude", "real_metric"})
+
 
 @dataclass(frozen=True, slots=True)
-class Search:
+class CoacdParameters:
     """CoACD's parameters, by its names (https://github.com/SarahWeiii/CoACD).
 
     `merge` is off because `PieceCutter` merges the pieces, by the volume that merging adds: with 8 pieces,
@@ -70,18 +72,18 @@ class Search:
         return arguments | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
 
 
-EFFORTS: Mapping[str, Search] = {
-    "low": Search(mcts_iterations=15),
-    "normal": Search(),
-    "high": Search(mcts_nodes=20, mcts_iterations=100, mcts_max_depth=3, resolution=2000),
+EFFORTS: Mapping[str, CoacdParameters] = {
+    "low": CoacdParameters(mcts_iterations=15),
+    "normal": CoacdParameters(),
+    "high": CoacdParameters(mcts_nodes=20, mcts_iterations=100, mcts_max_depth=3, resolution=2000),
 }
 """Parameters of each `mesh.effort`."""
 
 
-def search(effort: str, parameters: Mapping[str, Any]) -> Search:
+def coacd_parameters(effort: str, parameters: Mapping[str, Any]) -> CoacdParameters:
     """Returns the parameters of an effort, overridden by the user's; raises ConfigError for an unknown or
     invalid parameter."""
-    names = [parameter.name for parameter in fields(Search)]
+    names = [parameter.name for parameter in fields(CoacdParameters)]
     for name, value in parameters.items():
         where = f"mesh.coacd.{name}"
         if name not in names:
@@ -103,12 +105,12 @@ def _problem(name: str, value: Any) -> str:
     """Returns in words what is wrong with a parameter's value; "" for a valid value."""
     if name == "threshold":
         good = isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < math.inf
-        return "" if good or value is None else "no positive number"
+        return "" if good or value is None else "not a positive number"
     if name in _CHOICES:
-        return "" if value in _CHOICES[name] else f"none of {', '.join(_CHOICES[name])}"
-    if name not in _RANGES:
+        return "" if value in _CHOICES[name] else f"not one of {', '.join(_CHOICES[name])}"
+    if name in _BOOLEANS:
         return "" if isinstance(value, bool) else "neither true nor false"
     if isinstance(value, bool) or not isinstance(value, int | float if name == "extrude_margin" else int):
-        return "no number" if name == "extrude_margin" else "no whole number"
-    least, most = _RANGES[name]
-    return "" if least <= value <= most else f"not between {least:g} and {most:g}"
+        return "not a number" if name == "extrude_margin" else "not a whole number"
+    low, high = _RANGES[name]
+    return "" if low <= value <= high else f"not between {low:g} and {high:g}"

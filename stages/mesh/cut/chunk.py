@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -34,7 +34,7 @@ class Chunk:
     """Triangles in the link's frame; empty if the piece must not change."""
     piece: Piece
     """Solid around the triangles."""
-    convex: Any
+    engine_solid: Any
     """The solid in the form of the collision engine."""
     volume: float
     """Volume of the solid [m³]."""
@@ -50,7 +50,7 @@ class Chunk:
         return Chunk(surface, piece, _engine_form(solid), solid.volume(), collider_index)
 
     @staticmethod
-    def around(surface: Surface, hull: Surface, max_vertices: int, collider_index: int) -> Chunk | None:
+    def of_hull(surface: Surface, hull: Surface, max_vertices: int, collider_index: int) -> Chunk | None:
         """Returns the chunk of a surface with the hull `hull`. The piece has at most `max_vertices`, on the
         grid to which files round. Returns None if the piece is flat."""
         reduced_hull = capped_hull(hull, max_vertices)
@@ -66,8 +66,8 @@ class Chunk:
         return not len(self.surface.triangles)
 
     @property
-    def corners(self) -> Points:
-        """Corners of the solid (n, 3)."""
+    def vertices(self) -> Points:
+        """Vertices of the solid (n, 3)."""
         return surface_of(self.piece).vertices
 
     def cloud(self) -> Points:
@@ -77,7 +77,7 @@ class Chunk:
         return self._cloud[0]
 
 
-def hull_of(points: Points) -> Any | None:
+def qhull(points: Points) -> Any | None:
     """Returns Qhull's hull of points (n, 3); None if the hull is flat."""
     if len(points) < 4:
         return None
@@ -88,14 +88,20 @@ def hull_of(points: Points) -> Any | None:
     return hull if hull.volume > hull.area * _MIN_THICKNESS else None
 
 
-def engine_hull(points: Points) -> tuple[Any, float] | None:
-    """Returns the engine's form of the hull of points, with all corners, and its volume [m³]; None if the
-    hull is flat."""
-    hull = hull_of(points)
+class EngineHull(NamedTuple):
+    """A hull in the form of the collision engine, with all its corners, and its volume [m³]."""
+
+    solid: Any
+    volume: float
+
+
+def engine_hull(points: Points) -> EngineHull | None:
+    """Returns the hull of points (n, 3) for the engine; None if the hull is flat."""
+    hull = qhull(points)
     if hull is None:
         return None
     surface = _surface_of_hull(hull, points)
-    return _engine_form(surface), float(hull.volume)
+    return EngineHull(_engine_form(surface), float(hull.volume))
 
 
 def _engine_form(solid: Surface) -> Any:
@@ -107,7 +113,7 @@ def _engine_form(solid: Surface) -> Any:
 
 def hull_surface(points: Points) -> Surface | None:
     """Returns the hull of points (n, 3) with all its corners; None if the hull is flat."""
-    hull = hull_of(points)
+    hull = qhull(points)
     return None if hull is None else _surface_of_hull(hull, points)
 
 
@@ -124,7 +130,7 @@ def hull_chunk(surface: Surface, max_vertices: int, collider_index: int) -> Chun
     vertex must belong to a triangle."""
     # Reducing the hull takes a third of the time of reducing the surface, which has far more triangles.
     hull = hull_surface(surface.vertices)
-    return None if hull is None else Chunk.around(surface, hull, max_vertices, collider_index)
+    return None if hull is None else Chunk.of_hull(surface, hull, max_vertices, collider_index)
 
 
 _INNER_WEIGHTS = [

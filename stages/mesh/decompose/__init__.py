@@ -10,7 +10,7 @@ manifold3d 3.5.4, and their pieces joined:
 | miniacd | 213 | 55 | 3 | 15 | 12 | 38 % |
 """
 
-from linkwright.stages.mesh.configuration.decompose_options import Search as Search
-from linkwright.stages.mesh.configuration.decompose_options import search as search
+from linkwright.stages.mesh.configuration.decompose_options import CoacdParameters as CoacdParameters
+from linkwright.stages.mesh.configuration.decompose_options import coacd_parameters as coacd_parameters
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED as NOT_CLOSED
 from linkwright.stages.mesh.decompose.coacd_pieces import convex_pieces as convex_pieces

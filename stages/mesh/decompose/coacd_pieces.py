@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.configuration.decompose_options import Search
-from linkwright.stages.mesh.decompose.seams import grown
+from linkwright.stages.mesh.configuration.decompose_options import CoacdParameters
+from linkwright.stages.mesh.decompose.seams import expanded_corners
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.inside import InsideTest
@@ -31,10 +31,12 @@ _OVERLAP_SHARE = 4e-5
 pieces that touch along a cut."""
 
 
-def convex_pieces(surface: Surface, tolerance: float, search: Search) -> tuple[Surface, ...] | str:
+def convex_pieces(
+    surface: Surface, tolerance: float, parameters: CoacdParameters
+) -> tuple[Surface, ...] | str:
     """Returns the convex pieces of a surface for a tolerance [m], more than necessary; or the reason in words
     why there are none."""
-    surface, arguments = snapped(surface), search.arguments(tolerance)
+    surface, arguments = snapped(surface), parameters.arguments(tolerance)
     bodies = prepared(surface, tolerance)
     if bodies == NOT_CLOSED and arguments["preprocess_mode"] == "on":
         bodies = (surface,)
@@ -61,7 +63,7 @@ def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[
     parts = coacd.run_coacd(coacd.Mesh(body.vertices, body.triangles), **arguments)
     hulls = [convex_hull(np.asarray(vertices, dtype=np.float64)) for vertices, _ in parts]
     overlap = _OVERLAP_SHARE * body.diagonal
-    return [grown(hull, overlap) for hull in hulls if hull]
+    return [expanded_corners(hull, overlap) for hull in hulls if hull]
 
 
 _SIMPLIFICATION_STEPS = (0.1, 0.1, 0.1, 0.1)

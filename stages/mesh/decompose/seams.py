@@ -22,11 +22,11 @@ def containing_hull(hull: Surface, max_vertices: int) -> Surface:
     capped = capped_hull(hull, max_vertices)
     if capped is None:
         return hull
-    bare = float(beyond(*half_spaces(capped), hull.vertices).max())
-    return convex_hull(grown(capped, bare)) or capped if bare > 0 else capped
+    bareness = float(beyond(*half_spaces(capped), hull.vertices).max())
+    return (convex_hull(expanded_corners(capped, bareness)) or capped) if bareness > 0 else capped
 
 
-def grown(hull: Surface, distance: float) -> Points:
+def expanded_corners(hull: Surface, distance: float) -> Points:
     """Returns the corners of a convex hull, moved so that its faces are `distance` [m] further out. Faces at
     corners that `_MAX_STRETCH` limits move less."""
     normals = hull.normals()
@@ -34,16 +34,16 @@ def grown(hull: Surface, distance: float) -> Points:
     # Triangles without area have no normal.
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
     corners = hull.triangles.ravel()
-    of_corners = np.repeat(normals, 3, axis=0)
+    corner_normals = np.repeat(normals, 3, axis=0)
     outward = np.zeros_like(hull.vertices)
     for axis in range(3):
-        outward[:, axis] = np.bincount(corners, of_corners[:, axis], len(outward))
-    # A corner moves along `outward` until each of its faces has moved by `distance`; the slowest face
-    # decides.
-    speed = np.full(len(outward), np.inf)
-    np.minimum.at(speed, corners, (of_corners * outward[corners]).sum(axis=1))
-    size = np.linalg.norm(outward, axis=1)
+        outward[:, axis] = np.bincount(corners, corner_normals[:, axis], len(outward))
+    # `face_moves`: how far a corner's slowest face moves if the corner moves by `outward`. The corner moves
+    # along it until that face has moved by `distance`.
+    face_moves = np.full(len(outward), np.inf)
+    np.minimum.at(face_moves, corners, (corner_normals * outward[corners]).sum(axis=1))
+    outward_lengths = np.linalg.norm(outward, axis=1)
     # See `_MAX_STRETCH`.
-    speed = np.maximum(speed, size / _MAX_STRETCH)
-    steps = np.divide(distance, speed, out=np.zeros_like(speed), where=size > 0)
+    face_moves = np.maximum(face_moves, outward_lengths / _MAX_STRETCH)
+    steps = np.divide(distance, face_moves, out=np.zeros_like(face_moves), where=outward_lengths > 0)
     return np.asarray(hull.vertices + outward * steps[:, None], dtype=np.float64)

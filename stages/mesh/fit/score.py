@@ -74,44 +74,64 @@ def _points(primitive: Primitive, along: int, around: int) -> tuple[Points, Floa
     """Returns points (n, 3) all over a primitive's surface in its own frame, edges and corners included, and
     the weight of each point: its share of the surface."""
     if primitive.kind == "box":
-        return _box(primitive.size, along)
+        return _box_points(primitive.size, along)
     rings = np.array(list(_rings(primitive, along)))
-    turns = np.arange(around) * (2 * np.pi / around)
+    angles = np.arange(around) * (2 * np.pi / around)
     radii, heights, areas = (np.repeat(column, around) for column in rings.T)
-    cosines, sines = np.tile(np.cos(turns), len(rings)), np.tile(np.sin(turns), len(rings))
+    cosines, sines = np.tile(np.cos(angles), len(rings)), np.tile(np.sin(angles), len(rings))
     return np.stack([radii * cosines, radii * sines, heights], axis=1), areas
 
 
 def _rings(primitive: Primitive, along: int) -> Iterator[tuple[float, float, float]]:
-    """Yields the radius and height of each ring of points, and its area up to a common factor."""
+    """Yields the radius and height of each ring of points, and its area divided by 2 π."""
     radius = primitive.size[0]
-    half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
-    if half:
-        for k in range(along):
-            # The rings at both ends have half a step of the barrel.
-            halved = k in (0, along - 1)
-            yield radius, half * (2 * k / (along - 1) - 1), 2 * half * radius / (along - 1) / (1 + halved)
+    half_length = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
+    if half_length:
+        yield from _barrel_rings(radius, half_length, along)
+    if primitive.kind == "cylinder":
+        yield from _disc_rings(radius, half_length, along)
+    else:
+        yield from _half_sphere_rings(radius, half_length, along)
+
+
+def _barrel_rings(radius: float, half_length: float, along: int) -> Iterator[tuple[float, float, float]]:
+    """Yields the rings of the barrel of a cylinder or capsule (see `_rings`)."""
     for k in range(along):
+        # The rings at both ends have half a step of the barrel.
+        is_end = k in (0, along - 1)
+        area = 2 * half_length * radius / (along - 1) / (1 + is_end)
+        yield radius, half_length * (2 * k / (along - 1) - 1), area
+
+
+def _disc_rings(radius: float, half_length: float, along: int) -> Iterator[tuple[float, float, float]]:
+    """Yields the rings of both discs of a cylinder (see `_rings`)."""
+    step = radius / (along - 1)
+    for k in range(along):
+        # The centre has no circumference, so it counts as a ring of a quarter of a step; the rim is half a
+        # step.
+        area = step * max(step * k, step / 4) / (1 + (k == along - 1))
         for sign in (-1, 1):
-            if primitive.kind == "cylinder":
-                # The centre has no circumference, so it counts as a ring of a quarter of a step; the rim is
-                # half a step.
-                step = radius / (along - 1)
-                yield step * k, sign * half, step * max(step * k, step / 4) / (1 + (k == along - 1))
-            else:
-                angle = np.pi / 2 * k / (along - 1)
-                step = np.pi / 2 / (along - 1)
-                # Both halves, or a half and the barrel, share the equator; the pole is a cap of half a step.
-                width = max(np.cos(angle), step / 8) / (1 + (k == 0))
-                height = sign * (half + radius * np.sin(angle))
-                yield radius * np.cos(angle), height, radius**2 * step * width
+            yield step * k, sign * half_length, area
 
 
-def _box(lengths: tuple[float, ...], along: int) -> tuple[Points, Floats]:
-    """Returns the centres of cells on a box, and its corners, which stand out most but have no area."""
+def _half_sphere_rings(radius: float, half_length: float, along: int) -> Iterator[tuple[float, float, float]]:
+    """Yields the rings of both halves of a sphere, which the barrel of a capsule separates (see `_rings`)."""
+    angle_step = np.pi / 2 / (along - 1)
+    for k in range(along):
+        angle = np.pi / 2 * k / (along - 1)
+        # Both halves, or a half and the barrel, share the equator; the pole is a cap of half a step.
+        width = max(np.cos(angle), angle_step / 8) / (1 + (k == 0))
+        for sign in (-1, 1):
+            height = sign * (half_length + radius * np.sin(angle))
+            yield radius * np.cos(angle), height, radius**2 * angle_step * width
+
+
+def _box_points(size: tuple[float, ...], along: int) -> tuple[Points, Floats]:
+    """Returns the centres (n, 3) of cells on a box of the lengths `size`, and their weights. Its corners,
+    which stand out most, are among the points, with weight 0."""
     steps = (np.arange(along) + 0.5) / along - 0.5
     ends = np.array([-0.5, 0.5])
-    points = [np.stack(np.meshgrid(ends, ends, ends), axis=-1).reshape(-1, 3) * lengths]
+    points = [np.stack(np.meshgrid(ends, ends, ends), axis=-1).reshape(-1, 3) * size]
     weights = [np.zeros(len(points[0]))]
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
@@ -119,6 +139,6 @@ def _box(lengths: tuple[float, ...], along: int) -> tuple[Points, Floats]:
             face = np.empty((along, along, 3))
             face[:, :, axis] = side
             face[:, :, u], face[:, :, v] = np.meshgrid(steps, steps)
-            points.append(face.reshape(-1, 3) * lengths)
-            weights.append(np.full(along * along, lengths[u] * lengths[v]))
+            points.append(face.reshape(-1, 3) * size)
+            weights.append(np.full(along * along, size[u] * size[v]))
     return np.concatenate(points), np.concatenate(weights)

@@ -159,7 +159,7 @@ class Dof:
     """Names of the limits and dynamics that the configuration gives; the others are the source's."""
     named: tuple[str, ...] = ()
     """Names in `given` that an entry with the dof's own name gives."""
-    in_mate: MateValue = AS_THE_MATE
+    mate_value: MateValue = AS_THE_MATE
     """Conversion of the value to the mate's own."""
     spring: Spring | None = None
     """The spring in an MJCF source."""

@@ -61,8 +61,8 @@ def name_list(names: Iterable[str]) -> str:
     others."""
     sorted_names = sorted(set(names))
     other_count = len(sorted_names) - _MAX_LISTED_NAMES
-    others = f" and {other_count} more" if other_count > 0 else ""
-    return ", ".join(sorted_names[:_MAX_LISTED_NAMES]) + others
+    remainder = f" and {other_count} more" if other_count > 0 else ""
+    return ", ".join(sorted_names[:_MAX_LISTED_NAMES]) + remainder
 
 
 def matching_indices(glob: str, name_sets: Sequence[Collection[str]]) -> list[int]:

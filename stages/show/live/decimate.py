@@ -34,39 +34,49 @@ _MIN_TRIANGLES = 12
 Key = TypeVar("Key", bound=Hashable)
 
 
-def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> dict[Key, Facets]:
-    """Simplifies the meshes until they have at most `most` triangles together, counting each of their `uses`.
-    If no tolerance is enough, the smallest meshes lose all triangles."""
+def simplify_to_budget(
+    meshes: Mapping[Key, Facets], uses: Mapping[Key, int], max_triangles: int
+) -> dict[Key, Facets]:
+    """Simplifies the meshes until they have at most `max_triangles` triangles together, counting each of
+    their `uses`. If no tolerance is enough, the smallest meshes lose all triangles."""
     simpler = dict(meshes)
-    if _total(simpler, uses) <= most:
+    if _total(simpler, uses) <= max_triangles:
         return simpler
     size = max(facets.size for facets in simpler.values())
-    solids = {key: Thinnable(facets) for key, facets in simpler.items()}
+    solids = {key: SimplifiableMesh(facets) for key, facets in simpler.items()}
 
-    def at(level: int) -> dict[Key, Facets]:
+    def at_level(level: int) -> dict[Key, Facets]:
         return {key: solid.simpler(_MIN_TOLERANCE * 2.0**level * size) for key, solid in solids.items()}
 
     last = int(np.log2(_MAX_TOLERANCE / _MIN_TOLERANCE))
-    is_near = _total(simpler, uses) <= _MAX_FINE_EXCESS * most
+    is_near = _total(simpler, uses) <= _MAX_FINE_EXCESS * max_triangles
     # Only the coarsest level shows whether any level is enough. It takes longest, so it is not tried first if
     # little must be lost.
-    if is_near or _total(at(last), uses) <= most:
-        level = lowest_level(
-            last + 1, lambda number: _total(at(number), uses), most, last // 4 if is_near else None
-        )
+    if is_near or _total(at_level(last), uses) <= max_triangles:
+        first = last // 4 if is_near else None
+        level = lowest_level(last + 1, lambda number: _total(at_level(number), uses), max_triangles, first)
         if level <= last:
-            return _restored(at(level), at(level - 1) if level else simpler, uses, most)
-    simpler, share = at(last), _CLUSTER_TOLERANCE
-    while share <= _MAX_TOLERANCE:
-        before = simpler
-        simpler = {key: clustered(facets, share * size) for key, facets in before.items()}
-        if _total(simpler, uses) <= most:
-            return _restored(simpler, before, uses, most)
-        share *= 2.0
-    return _emptied(simpler, uses, most)
+            finer = at_level(level - 1) if level else simpler
+            return _restored(at_level(level), finer, uses, max_triangles)
+    return _cluster_to_budget(at_level(last), uses, max_triangles, size)
 
 
-class Thinnable:
+def _cluster_to_budget(
+    meshes: dict[Key, Facets], uses: Mapping[Key, int], max_triangles: int, size: float
+) -> dict[Key, Facets]:
+    """Clusters the meshes at growing tolerances until they have at most `max_triangles`. If no tolerance is
+    enough, the smallest meshes lose all triangles. `size` [m]: the size of the largest mesh."""
+    simpler, cluster_share = meshes, _CLUSTER_TOLERANCE
+    while cluster_share <= _MAX_TOLERANCE:
+        finer = simpler
+        simpler = {key: clustered(facets, cluster_share * size) for key, facets in finer.items()}
+        if _total(simpler, uses) <= max_triangles:
+            return _restored(simpler, finer, uses, max_triangles)
+        cluster_share *= 2.0
+    return _emptied(simpler, uses, max_triangles)
+
+
+class SimplifiableMesh:
     """A mesh, prepared once for all tolerances."""
 
     def __init__(self, facets: Facets) -> None:
@@ -123,24 +133,24 @@ def _total(meshes: Mapping[Key, Facets], uses: Mapping[Key, int]) -> int:
 
 
 def _restored(
-    simpler: dict[Key, Facets], before: Mapping[Key, Facets], uses: Mapping[Key, int], most: int
+    simpler: dict[Key, Facets], finer: Mapping[Key, Facets], uses: Mapping[Key, int], max_triangles: int
 ) -> dict[Key, Facets]:
-    """Replaces meshes by those of the finer level `before`, the largest first, if the total then stays within
-    `most`."""
-    left = most - _total(simpler, uses)
-    for key in sorted(simpler, key=lambda name: -before[name].size):
-        additional = (len(before[key].corners) - len(simpler[key].corners)) * uses[key]
-        if additional <= left:
-            simpler[key] = before[key]
-            left -= additional
+    """Replaces meshes by those of the level `finer`, the largest first, if the total then stays within
+    `max_triangles`."""
+    spare = max_triangles - _total(simpler, uses)
+    for key in sorted(simpler, key=lambda name: -finer[name].size):
+        additional = (len(finer[key].corners) - len(simpler[key].corners)) * uses[key]
+        if additional <= spare:
+            simpler[key] = finer[key]
+            spare -= additional
     return simpler
 
 
-def _emptied(meshes: dict[Key, Facets], uses: Mapping[Key, int], most: int) -> dict[Key, Facets]:
-    """Removes all triangles of the smallest meshes until the total is within `most`."""
+def _emptied(meshes: dict[Key, Facets], uses: Mapping[Key, int], max_triangles: int) -> dict[Key, Facets]:
+    """Removes all triangles of the smallest meshes until the total is within `max_triangles`."""
     nothing = np.empty((0, 3), dtype=np.int64)
     for key in sorted(meshes, key=lambda name: meshes[name].size):
-        if _total(meshes, uses) <= most:
+        if _total(meshes, uses) <= max_triangles:
             break
         meshes[key] = Facets(meshes[key].points, nothing, meshes[key].of_faces)
     return meshes

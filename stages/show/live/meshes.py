@@ -5,7 +5,7 @@ from collections import Counter
 from typing import Any
 
 from linkwright.stages.show.live import triangles
-from linkwright.stages.show.live.decimate import fitted
+from linkwright.stages.show.live.decimate import simplify_to_budget
 from linkwright.stages.show.live.geoms import Source
 from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.triangles import Facets
@@ -46,7 +46,7 @@ def _simplified(facets: dict[Source, Facets], shown: list[Shown], max_triangles:
         uses = Counter(
             source for geom, source in shown if source is not None and (geom["role"] == "visual") == is_visual
         )
-        simplified |= fitted({source: simplified[source] for source in uses}, uses, max_triangles)
+        simplified |= simplify_to_budget({source: simplified[source] for source in uses}, uses, max_triangles)
     return simplified
 
 

@@ -10,7 +10,7 @@ from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
 from linkwright.stages.validate.bare.findings import CodedFinding
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.body_shapes import directions
-from linkwright.stages.validate.model.inertials import MAX_MARKER_SIZE, STAND_IN, ShapedInertial
+from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS, MAX_MARKER_SIZE, ShapedInertial
 
 MAX_MASS_RATIO = 1000.0
 """Mass ratio of neighbours above which solvers struggle."""
@@ -117,7 +117,7 @@ def neighbours(lumps: Sequence[Lump]) -> Iterator[Finding]:
     holders = {body.name: lump for lump in lumps for body, _ in lump.members}
     for lump in lumps:
         above = _above(lump, holders)
-        if above is None or not lump.mass > STAND_IN < above.mass:
+        if above is None or not lump.mass > MAX_DUMMY_MASS < above.mass:
             continue
         ratio = max(lump.mass / above.mass, above.mass / lump.mass)
         if ratio > MAX_MASS_RATIO:

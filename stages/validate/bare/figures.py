@@ -129,9 +129,9 @@ def _contributors(
         arm = float(np.linalg.norm(part.com - whole.com))
         if quantity == "inertia":
             return float(np.trace(part.inertia)) + 2.0 * part.mass * arm**2
-        return part.mass * arm if quantity == "center" and len(parts) > 1 else part.mass
+        return part.mass * arm if quantity == "centre" and len(parts) > 1 else part.mass
 
-    quantities: tuple[Quantity, ...] = ("inertia", "center", "mass", "shape")
+    quantities: tuple[Quantity, ...] = ("inertia", "centre", "mass", "shape")
     return {
         quantity: max(parts, key=lambda part: share(quantity, part[1]))[0].places[quantity]
         for quantity in quantities

@@ -48,7 +48,7 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
         body not in model.skin_bonebodyid,
         {
             "inertia": (at, "diaginertia"),
-            "center": (at, "pos"),
+            "centre": (at, "pos"),
             "mass": (at, "mass"),
             "shape": (f'geom of body "{name}"', "size"),
         },

@@ -9,7 +9,7 @@ from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
 from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
 from linkwright.stages.validate.bare.mjcf_defaults import Defaults
-from linkwright.stages.validate.model.inertials import STAND_IN
+from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 _RESISTANCES = ("damping", "frictionloss", "armature", "stiffness")
@@ -86,7 +86,7 @@ def _inertial(document: ModelDocument, element: Element) -> Iterator[CodedFindin
         for message in wrong_mass(mass, moves):
             yield "C-SOLID", document.finding(element, "mass", message)
     diagonal, full = parse_numbers(element.get("diaginertia")), parse_numbers(element.get("fullinertia"))
-    point = not moves or (mass is not None and 0 <= mass <= STAND_IN)
+    point = not moves or (mass is not None and 0 <= mass <= MAX_DUMMY_MASS)
     if point and not any([*(diagonal or []), *(full or [])]):
         return
     if diagonal is not None and len(diagonal) == 3:

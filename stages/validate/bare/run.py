@@ -19,9 +19,9 @@ from linkwright.stages.validate.bare import (
 from linkwright.stages.validate.bare.bodies import weightless
 from linkwright.stages.validate.bare.figures import Lump, WeighedBody, lumps
 from linkwright.stages.validate.bare.findings import BARE_CHECKS, CodedFinding
-from linkwright.stages.validate.bare.start import start
+from linkwright.stages.validate.bare.start import compile_and_simulate
 from linkwright.stages.validate.bare.urdf_against_mjcf import CompiledDocument, check_together
-from linkwright.stages.validate.files.run import check_document, opened, result
+from linkwright.stages.validate.files.run import check_document, check_of, read_checked
 from linkwright.stages.validate.model import inertials
 from linkwright.stages.validate.reading.documents import ModelDocument, read
 
@@ -44,20 +44,20 @@ def check_bare(path: Path) -> tuple[Check, ...]:
 
 def _check_file(path: Path, compiled: list[CompiledDocument]) -> Iterator[Check]:
     """Checks a file, whose model is added to `compiled`."""
-    document, check = opened(path)
+    document, check = read_checked(path)
     yield check
     if document is None or document.language is None:
         return
     document = replace(document, foreign=True)
     yield from check_document(document)
-    started = start(document)
-    if started.model is not None:
-        compiled.append(CompiledDocument(document, started.model))
-    bodies = _bodies(document, started.model)
+    trial = compile_and_simulate(document)
+    if trial.model is not None:
+        compiled.append(CompiledDocument(document, trial.model))
+    bodies = _bodies(document, trial.model)
     grouped = lumps(bodies)
     yield from _coded(document, bodies, grouped)
     yield from _weighed(document.path, grouped)
-    yield from started.checks
+    yield from trial.checks
 
 
 def _bodies(document: ModelDocument, model: object) -> list[WeighedBody]:
@@ -72,9 +72,9 @@ def _weighed(path: Path, grouped: Sequence[Lump]) -> Iterator[Check]:
     yield from inertials.checks(path.name, bodies.inertials(grouped))
     level, findings = bodies.colliders(grouped)
     passed = "the colliders are where the visual shapes are"
-    yield result(path, "colliders", "C-COLLIDER", level, findings, passed)
+    yield check_of(path, "colliders", "C-COLLIDER", level, findings, passed)
     passed = f"neighbours' masses differ by less than {bodies.MAX_MASS_RATIO:g} to 1"
-    yield result(path, "mass ratio", "C-MASS-RATIO", "warning", bodies.neighbours(grouped), passed)
+    yield check_of(path, "mass ratio", "C-MASS-RATIO", "warning", bodies.neighbours(grouped), passed)
 
 
 def _coded(
@@ -87,7 +87,7 @@ def _coded(
     for code, findings in by_code.items():
         if _applies(code, document.language == "urdf"):
             check = BARE_CHECKS[code]
-            yield result(document.path, check.name, code, check.level, findings, check.passed)
+            yield check_of(document.path, check.name, code, check.level, findings, check.passed)
 
 
 def _applies(code: str, urdf: bool) -> bool:

@@ -48,7 +48,7 @@ MAX_TRIANGLES = 200_000
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class TrialResult:
     """The result of compiling and simulating a document."""
 
     model: Any
@@ -58,35 +58,26 @@ class Started:
     """The results of the checks."""
 
 
-def start(document: ModelDocument) -> Started:
+def compile_and_simulate(document: ModelDocument) -> TrialResult:
     """Compiles a document in its folder, and simulates it."""
     urdf = document.language == "urdf"
     name = document.path.name
-    spec = _of_urdf if urdf else _of_mjcf
+    make_spec = _urdf_spec if urdf else _mjcf_spec
     try:
-        model, warnings = compiled_with_warnings(lambda: spec(document), document.path.parent)
+        model, warnings = compiled_with_warnings(lambda: make_spec(document), document.path.parent)
     except NotCompiled as error:
         message = str(error)
         # A URDF may be correct although MuJoCo cannot read it.
         level: CheckLevel = "warning" if urdf else "error"
-        return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
+        return TrialResult(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
     texts = sorted(set(warnings))
-    checks = [
-        Check(
-            f"{name}: compiles",
-            not texts,
-            "; ".join(texts) or "no warnings",
-            float(len(texts)),
-            0.0,
-            "C-COMPILE",
-            "warning",
-        )
-    ]
+    detail, number = "; ".join(texts) or "no warnings", float(len(texts))
+    checks = [Check(f"{name}: compiles", not texts, detail, number, 0.0, "C-COMPILE", "warning")]
     checks += _simulated(document, model) if model.nv else []
-    return Started(model, tuple(checks))
+    return TrialResult(model, tuple(checks))
 
 
-def _of_mjcf(document: ModelDocument) -> Any:
+def _mjcf_spec(document: ModelDocument) -> Any:
     """Returns the spec of an MJCF, with less memory for contacts if it reserves gigabytes. Sizes that no
     computer has are kept, so that MuJoCo refuses them."""
     spec = spec_of_mjcf(document.path)
@@ -98,32 +89,32 @@ def _of_mjcf(document: ModelDocument) -> Any:
     return spec
 
 
-def _of_urdf(document: ModelDocument) -> Any:
+def _urdf_spec(document: ModelDocument) -> Any:
     """Returns MuJoCo's spec of a URDF, without purely visual shapes and without meshes that MuJoCo cannot
     read. Meshes have absolute paths, no links are merged, and floating joints are fixed."""
     root = parse(document.path.read_bytes())
     meshes = (file for file in referenced_files(document) if file.element.tag == "mesh")
     paths = {mesh.element.get("filename"): mesh.path for mesh in meshes}
 
-    def place_of(name: str) -> str | None:
+    def path_of(name: str) -> str | None:
         if not name.strip():
             return name
         path = paths.get(name)
-        return str(path.resolve()) if path is not None and is_file(path) and _is_read(path) else None
+        return str(path.resolve()) if path is not None and is_file(path) and _is_readable(path) else None
 
-    keep_all_links(root, place_of, visuals=False)
+    keep_all_links(root, path_of, visuals=False)
     return spec_of_text(to_bytes(root), document.path.resolve().parent)
 
 
-def _is_read(mesh: Path) -> bool:
+def _is_readable(mesh: Path) -> bool:
     """Tells whether MuJoCo reads a mesh: a binary STL of at most 200,000 triangles, an OBJ or an MSH."""
     if mesh.suffix.lower() != ".stl":
         return mesh.suffix.lower() in _READ_BY_MUJOCO
     with mesh.open("rb") as file:
         head = file.read(STL_HEADER + 4)
     size = mesh.stat().st_size - len(head)
-    count = int.from_bytes(head[STL_HEADER:], "little")
-    return count <= MAX_TRIANGLES and size >= count * STL_FACE.itemsize
+    triangle_count = int.from_bytes(head[STL_HEADER:], "little")
+    return triangle_count <= MAX_TRIANGLES and size >= triangle_count * STL_FACE.itemsize
 
 
 def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
@@ -134,7 +125,8 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
     with collected_warnings():
         mujoco.mj_forward(model, data)
     # A URDF says neither which links may touch nor where it starts.
-    yield from () if urdf else _first_moment(name, model, data)
+    if not urdf:
+        yield from _start_checks(name, model, data)
     trial = trial_run(model, SECONDS, np.inf, _within_limits(model) if urdf else None)
     detail = f"simulated for {trial.time:.3g} s without a warning"
     findings: tuple[Finding, ...] = ()
@@ -149,56 +141,55 @@ def _within_limits(model: Any) -> Array:
     where its driver puts it."""
     qpos: Array = model.qpos0.copy()
     for joint in np.flatnonzero(model.jnt_limited):
-        at = model.jnt_qposadr[joint]
-        qpos[at] = np.clip(qpos[at], *model.jnt_range[joint])
+        address = model.jnt_qposadr[joint]
+        qpos[address] = np.clip(qpos[address], *model.jnt_range[joint])
     for equality in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
         follower, driver = model.jnt_qposadr[[model.eq_obj1id[equality], model.eq_obj2id[equality]]]
         qpos[follower] = np.polynomial.polynomial.polyval(qpos[driver], model.eq_data[equality][:5])
     return qpos
 
 
-def _first_moment(name: str, model: Any, data: Any) -> Iterator[Check]:
+def _start_checks(name: str, model: Any, data: Any) -> Iterator[Check]:
     """Yields the results for the start: whether bodies overlap, and whether loops and relations are
     closed."""
-    deep = tuple(_deep(model, data))
-    detail = f"nothing is deeper than {1000 * MAX_START_DEPTH:g} mm inside another thing at the start"
-    if deep:
-        detail = f"{count(len(deep), 'pair')} deeper than {1000 * MAX_START_DEPTH:g} mm: {_sentence(deep[0])}"
-    yield Check(
-        f"{name}: start",
-        not deep,
-        detail,
-        float(len(deep)),
-        0.0,
-        "C-START",
-        "warning",
-        deep,
-    )
+    deep_contacts = tuple(_deep_contacts(model, data))
+    detail = f"no contact is deeper than {1000 * MAX_START_DEPTH:g} mm at the start"
+    number = float(len(deep_contacts))
+    if deep_contacts:
+        pairs = f"{count(len(deep_contacts), 'pair')} deeper than {1000 * MAX_START_DEPTH:g} mm"
+        detail = f"{pairs}: {_sentence(deep_contacts[0])}"
+    yield Check(f"{name}: start", not deep_contacts, detail, number, 0.0, "C-START", "warning", deep_contacts)
     if model.neq:
-        opened = tuple(_open_equalities(model, data))
+        open_equalities = tuple(_open_equalities(model, data))
         detail = f"every loop and relation is closed to {LOOP_TOLERANCE:g} m or rad at the start"
-        detail = _sentence(opened[0]) if opened else detail
-        number = float(len(opened))
-        yield Check(f"{name}: closed", not opened, detail, number, 0.0, "C-CLOSED", "error", opened)
+        detail = _sentence(open_equalities[0]) if open_equalities else detail
+        number = float(len(open_equalities))
+        yield Check(
+            f"{name}: closed", not open_equalities, detail, number, 0.0, "C-CLOSED", "error", open_equalities
+        )
 
 
 def _sentence(finding: Finding) -> str:
     return f"{finding.element}: {finding.message}"
 
 
-def _deep(model: Any, data: Any) -> Iterator[Finding]:
+def _deep_contacts(model: Any, data: Any) -> Iterator[Finding]:
     """Yields the contacts that are too deep at the start."""
     for contact in touching(model, data):
         if contact.depth > MAX_START_DEPTH:
             message = f"it is {1000 * contact.depth:.2g} mm inside {_inside(model, contact)} at the start"
-            if contact.other and contact.other in _carriers(model, contact.body):
-                # MuJoCo skips such a pair, unless the carrier is fixed to the world.
-                is_parent = contact.other == int(model.body_parentid[contact.body])
-                relation = "its parent" if is_parent else "to which its parent is fixed"
-                message += (
-                    f", {relation}: that body is fixed, so the two collide unless an <exclude> forbids it"
-                )
+            message += _carrier_hint(model, contact)
             yield Finding(named("body", body_name(model, contact.body)), "pos", message)
+
+
+def _carrier_hint(model: Any, contact: Touching) -> str:
+    """Returns why a body collides with a body that carries it; "" for other contacts."""
+    if not contact.other or contact.other not in _carriers(model, contact.body):
+        return ""
+    # MuJoCo skips such a pair, unless the carrier is fixed to the world.
+    is_parent = contact.other == int(model.body_parentid[contact.body])
+    relation = "its parent" if is_parent else "to which its parent is fixed"
+    return f", {relation}: that body is fixed, so the two collide unless an <exclude> forbids it"
 
 
 def _carriers(model: Any, body: int) -> Iterator[int]:

@@ -73,7 +73,7 @@ def _body(
         len(read) == len(shapes),
         {
             "inertia": (f"inertia of {title}", "ixx"),
-            "center": (f"origin of {title}", "xyz"),
+            "centre": (f"origin of {title}", "xyz"),
             "mass": (f"mass of {title}", "value"),
             "shape": (title, "visual"),
         },

@@ -8,7 +8,7 @@ import numpy as np
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
 from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
-from linkwright.stages.validate.model.inertials import STAND_IN
+from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS
 from linkwright.stages.validate.reading.documents import ModelDocument
 
 MOVING = ("revolute", "continuous", "prismatic", "planar")
@@ -106,7 +106,7 @@ def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterat
     values = [] if inertia_element is None else [parse_number(inertia_element.get(name)) for name in _MOMENTS]
     moments = [value for value in values if value is not None and math.isfinite(value)]
     # A frame's stand-in, or a link that never moves, may have no mass and no inertia.
-    may_be_massless = not moves or (mass is not None and mass <= STAND_IN)
+    may_be_massless = not moves or (mass is not None and mass <= MAX_DUMMY_MASS)
     massless = may_be_massless and mass is not None and mass >= 0 and not any(moments)
     if mass_element is None or (inertia_element is None and mass):
         missing = "mass" if mass_element is None else "inertia"

@@ -11,7 +11,6 @@ from linkwright.stages.validate.reading.documents import ModelDocument, broken_t
 
 XML_CODE = "C-XML"
 
-
 _XML_ENDINGS = (".srdf",)
 """Extensions of XML files that no other check reads."""
 
@@ -27,7 +26,7 @@ def check_folder(
     documents = []
     for name in models:
         if (folder / name).exists():
-            document, check = opened(folder / name)
+            document, check = read_checked(folder / name)
             yield check
             if document is not None:
                 document = replace(document, packages=packages)
@@ -42,7 +41,7 @@ def check_folder(
     yield from unused_assets(folder, documents, present)
 
 
-def opened(path: Path) -> tuple[ModelDocument | None, Check]:
+def read_checked(path: Path) -> tuple[ModelDocument | None, Check]:
     """Returns the document in a file (None if it is not XML), and the check that the file is well-formed XML
     with the root that its extension promises."""
     broken = broken_text(path)
@@ -57,7 +56,9 @@ def opened(path: Path) -> tuple[ModelDocument | None, Check]:
 
 
 def _well_formed(path: Path, findings: Iterable[Finding]) -> Check:
-    return result(path, "XML", XML_CODE, "error", findings, "well formed, and all that it includes too")
+    return check_of(
+        path, "XML", XML_CODE, "error", findings, "well formed, as is every file that it includes"
+    )
 
 
 def check_document(document: ModelDocument) -> Iterator[Check]:
@@ -66,15 +67,22 @@ def check_document(document: ModelDocument) -> Iterator[Check]:
         return
     for row in TEXT_CHECKS:
         findings = row.function(document)
-        yield result(document.path, row.title, row.code, row.level(document), findings, row.passed)
+        yield check_of(document.path, row.title, row.code, row.level(document), findings, row.passed)
 
 
-def result(
-    path: Path, name: str, code: str, level: CheckLevel, faults: Iterable[Finding], passed: str
+def check_of(
+    path: Path, name: str, code: str, level: CheckLevel, findings: Iterable[Finding], passed: str
 ) -> Check:
-    """Returns a check that passes if there are no findings."""
-    findings = tuple(faults)
-    detail = passed if not findings else sentence(findings)
+    """Returns a check that passes if there are no findings. `passed`: its detail if it passes."""
+    all_findings = tuple(findings)
+    detail = sentence(all_findings) if all_findings else passed
     return Check(
-        f"{path.name}: {name}", not findings, detail, float(len(findings)), 0.0, code, level, findings
+        f"{path.name}: {name}",
+        not all_findings,
+        detail,
+        float(len(all_findings)),
+        0.0,
+        code,
+        level,
+        all_findings,
     )

@@ -18,13 +18,13 @@ from linkwright.stages.validate.model.body_shapes import BodyExtents, outside, r
 
 CODE = "C-INERTIAL"
 
-STAND_IN = 1e-6
+MAX_DUMMY_MASS = 1e-6
 """Largest mass [kg] of a body that only represents a frame. Its inertial is not judged."""
 
 MAX_MARKER_SIZE = 0.02
 """Size [m] below which shapes without a mesh may only mark a link, and not show its form."""
 
-LARGE, TOO_LARGE = 1.05, 5.0
+DOUBTFUL_GYRATION, IMPOSSIBLE_GYRATION = 1.05, 5.0
 """Limits of the radius of gyration, as a share of the shapes' reach: above the first, mass within the shapes
 cannot explain it; above the second, no unseen part can either. An inertia that is 1000 times too large makes
 it √1000 ≈ 32 times too large."""
@@ -33,22 +33,22 @@ MIN_GYRATION = 0.05
 """Smallest radius of gyration, as a share of the reach: solid bodies have 0.3 to 0.7, and a body with its
 mass in one spot has almost 0."""
 
-TYPICAL_SHARE = 0.5
+TYPICAL_GYRATION = 0.5
 """Radius of gyration of a solid body, as a share of the reach: guesses at confused units start from it."""
 
-OUT, FAR_OUT = 0.1, 2.0
+DOUBTFUL_OFFSET, IMPOSSIBLE_OFFSET = 0.1, 2.0
 """Distances of the centre of mass outside the shapes, as a share of their size, above which it is doubtful,
 and above which it is impossible: an unseen part may pull it out a little, but not far."""
 
-MILLIMETRES = 30.0
+MIN_MILLIMETRE_OFFSET = 30.0
 """Distance of the centre of mass outside the shapes, as a share of their size, above which it may be in mm
 and was read in metres."""
 
-DENSE, TOO_DENSE = 12_000.0, 60_000.0
+DOUBTFUL_DENSITY, IMPOSSIBLE_DENSITY = 12_000.0, 60_000.0
 """Limits of the density in a box around the shapes [kg/m³]: denser than lead, and far denser than any metal
 (osmium has 22,600)."""
 
-THIN, TOO_THIN = 1.0, 0.05
+DOUBTFUL_LOW_DENSITY, IMPOSSIBLE_LOW_DENSITY = 1.0, 0.05
 """Lower limits of that density [kg/m³]: that of an empty frame, and half of hydrogen's."""
 
 MIN_JUDGED_MASS = 1e-3
@@ -60,7 +60,7 @@ _LARGER = ((1e3, "g m² read as kg m²?"), (1e6, "kg mm² read as kg m²?"), (1e
 _SMALLER = ((1e-3, "a mass in g read as kg?"), (1e-6, "an inertia of a shape in mm?"))
 """(factor, text): the factor by which a mistake of units makes an inertia too small."""
 
-Quantity = Literal["inertia", "center", "mass", "shape"]
+Quantity = Literal["inertia", "centre", "mass", "shape"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +93,7 @@ class _Judgement:
     """The judgement of a quantity of a body."""
 
     value: float
-    wrong: bool = False
+    is_impossible: bool = False
     """Whether the value is impossible; otherwise a finding is only a doubt."""
 
     finding: Finding | None = None
@@ -101,49 +101,40 @@ class _Judgement:
 
 def checks(file: str, bodies: Iterable[ShapedInertial]) -> Iterator[Check]:
     """Yields up to three results, or nothing if no body can be judged."""
-    judged_bodies = [body for body in bodies if body.mass > STAND_IN and not _is_mark(body.shapes)]
-    spread = [body for body in judged_bodies if body.moments.any()]
+    judged_bodies = [body for body in bodies if body.mass > MAX_DUMMY_MASS and not _is_marker(body.shapes)]
+    with_inertia = [body for body in judged_bodies if body.moments.any()]
     # Flat shapes have no volume, and so no density.
-    thick = [body for body in judged_bodies if body.shapes.volume > (1e-3 * body.shapes.size) ** 3]
-    number = count(len(judged_bodies), "body", "bodies")
-    for name, results, limit, words in (
-        (
-            "inertia fits the shape",
-            [_gyration(body) for body in spread],
-            LARGE,
-            "radius of gyration as a share of the shape's reach",
-        ),
-        (
-            "centre of mass in the shape",
-            [_center(body) for body in judged_bodies],
-            OUT,
-            "how far out as a share of the shape's size",
-        ),
-        (
-            "density of matter",
-            [_density(body) for body in thick],
-            DENSE,
-            "mass in a box around the shape [kg/m³]",
-        ),
+    with_volume = [body for body in judged_bodies if body.shapes.volume > (1e-3 * body.shapes.size) ** 3]
+    body_count = count(len(judged_bodies), "body", "bodies")
+    gyrations = [_gyration(body) for body in with_inertia]
+    centres = [_centre(body) for body in judged_bodies]
+    densities = [_density(body) for body in with_volume]
+    gyration_words = "radius of gyration as a share of the shape's reach"
+    centre_words = "how far out as a share of the shape's size"
+    density_words = "mass in a box around the shape [kg/m³]"
+    for title, judgements, limit, words in (
+        ("inertia fits the shape", gyrations, DOUBTFUL_GYRATION, gyration_words),
+        ("centre of mass in the shape", centres, DOUBTFUL_OFFSET, centre_words),
+        ("density of matter", densities, DOUBTFUL_DENSITY, density_words),
     ):
-        if results:
-            yield from _results(f"{file}: {name}", results, limit, f"{words}, of {number}")
+        if judgements:
+            yield from _results(f"{file}: {title}", judgements, limit, f"{words}, of {body_count}")
 
 
-def _is_mark(shapes: BodyExtents) -> bool:
+def _is_marker(shapes: BodyExtents) -> bool:
     return shapes.size == 0.0 or (shapes.size < MAX_MARKER_SIZE and not shapes.meshes)
 
 
-def _results(name: str, results: Sequence[_Judgement], limit: float, words: str) -> Iterator[Check]:
+def _results(name: str, judgements: Sequence[_Judgement], limit: float, words: str) -> Iterator[Check]:
     """Yields an error for impossible values and a warning for doubtful values, or else a passed result."""
-    wrong = [result for result in results if result.wrong]
-    doubtful = [result for result in results if result.finding and not result.wrong]
-    if wrong:
-        yield _failed_check(name, wrong, limit, "error")
+    impossible = [judgement for judgement in judgements if judgement.is_impossible]
+    doubtful = [judgement for judgement in judgements if judgement.finding and not judgement.is_impossible]
+    if impossible:
+        yield _failed_check(name, impossible, limit, "error")
     if doubtful:
-        yield _failed_check(f"{name}, doubtful" if wrong else name, doubtful, limit, "warning")
-    if not wrong and not doubtful:
-        value = max(result.value for result in results)
+        yield _failed_check(f"{name}, doubtful" if impossible else name, doubtful, limit, "warning")
+    if not impossible and not doubtful:
+        value = max(judgement.value for judgement in judgements)
         yield Check(name, True, f"{words}: at most {value:.3g}", value, limit, CODE)
 
 
@@ -153,10 +144,14 @@ def _failed_check(name: str, judgements: Sequence[_Judgement], limit: float, lev
     return Check(name, False, detail, judgements[0].value, limit, CODE, level, findings)
 
 
-def _judgement(body: ShapedInertial, value: float, wrong: bool, quantity: Quantity, words: str) -> _Judgement:
-    if not body.moves and not wrong:
+def _judgement(
+    body: ShapedInertial, value: float, is_impossible: bool, quantity: Quantity, message: str
+) -> _Judgement:
+    """Returns the judgement of a value with a finding; without one if the value is only doubtful and the body
+    is fixed."""
+    if not body.moves and not is_impossible:
         return _Judgement(value)
-    return _Judgement(value, wrong and body.moves, Finding(*body.places[quantity], words))
+    return _Judgement(value, is_impossible and body.moves, Finding(*body.places[quantity], message))
 
 
 def _gyration(body: ShapedInertial) -> _Judgement:
@@ -165,43 +160,45 @@ def _gyration(body: ShapedInertial) -> _Judgement:
     shares = np.sqrt(np.maximum(body.moments, 0.0) / body.mass) / np.maximum(reach, 1e-6 * body.shapes.size)
     worst = int(shares.argmax())
     share = float(shares[worst])
-    if MIN_GYRATION <= share <= LARGE:
+    if MIN_GYRATION <= share <= DOUBTFUL_GYRATION:
         return _Judgement(share)
     radius = 1e3 * math.sqrt(max(0.0, body.moments[worst]) / body.mass)
     message = f"its radius of gyration is {radius:.3g} mm, but its shape reaches {1e3 * reach[worst]:.3g} mm"
-    message += f" from that axis{_guess((share / TYPICAL_SHARE) ** 2)}"
-    return _judgement(body, share, share > TOO_LARGE, "inertia", message)
+    message += f" from that axis{_guess((share / TYPICAL_GYRATION) ** 2)}"
+    return _judgement(body, share, share > IMPOSSIBLE_GYRATION, "inertia", message)
 
 
 def _guess(factor: float) -> str:
     """Returns a text on the mistake of units that multiplies an inertia by about `factor`; "" if no known
     mistake does."""
-    for of_units, words in (*_LARGER, *_SMALLER):
+    for unit_factor, words in (*_LARGER, *_SMALLER):
         # Within half an order of magnitude: mistakes of units are three orders apart.
-        if abs(math.log10(max(factor, 1e-300) / of_units)) < 0.5:
-            return f": about {of_units:,.6g} times what it could be, {words}"
+        if abs(math.log10(max(factor, 1e-300) / unit_factor)) < 0.5:
+            return f": about {unit_factor:,.6g} times a plausible value, {words}"
     return ""
 
 
-def _center(body: ShapedInertial) -> _Judgement:
+def _centre(body: ShapedInertial) -> _Judgement:
     size = body.shapes.size
     share = outside(body.shapes, body.com) / size
-    if share <= OUT:
+    if share <= DOUBTFUL_OFFSET:
         return _Judgement(share)
-    inside = outside(body.shapes, 1e-3 * body.com) <= OUT * size
-    guess = ": mm read as m?" if share > MILLIMETRES and inside else ""
+    inside = outside(body.shapes, 1e-3 * body.com) <= DOUBTFUL_OFFSET * size
+    guess = ": mm read as m?" if share > MIN_MILLIMETRE_OFFSET and inside else ""
     message = f"its centre of mass is {1e3 * share * size:.3g} mm outside its shape{guess}"
-    return _judgement(body, share, share > FAR_OUT, "center", message)
+    return _judgement(body, share, share > IMPOSSIBLE_OFFSET, "centre", message)
 
 
 def _density(body: ShapedInertial) -> _Judgement:
     volume = body.shapes.volume
     density = body.mass / volume
-    if THIN <= density <= DENSE or body.mass < MIN_JUDGED_MASS:
+    if DOUBTFUL_LOW_DENSITY <= density <= DOUBTFUL_DENSITY or body.mass < MIN_JUDGED_MASS:
         return _Judgement(density)
     message = f"{body.mass:.3g} kg within {1e6 * volume:.3g} cm³ is {density:.3g} kg/m³"
-    if density > DENSE:
+    if density > DOUBTFUL_DENSITY:
         guess = ": g read as kg, or a shape in m read as mm?" if density > 1e5 else ""
-        return _judgement(body, density, density > TOO_DENSE, "mass", f"{message}, denser than lead{guess}")
-    guess = ": a shape in mm read as m?" if density < TOO_THIN else ""
-    return _judgement(body, density, density < TOO_THIN, "shape", f"{message}, next to nothing{guess}")
+        message += f", denser than lead{guess}"
+        return _judgement(body, density, density > IMPOSSIBLE_DENSITY, "mass", message)
+    guess = ": a shape in mm read as m?" if density < IMPOSSIBLE_LOW_DENSITY else ""
+    message += f", too light for any structure{guess}"
+    return _judgement(body, density, density < IMPOSSIBLE_LOW_DENSITY, "shape", message)

@@ -9,7 +9,7 @@ from linkwright.stages.mujoco.names import actuator_count
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.model.shapes import MESH, directions, reach
-from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 
 VISUAL, COLLISION = 2, 3
 """The groups of visual geoms and of colliders in MuJoCo's viewer."""
@@ -33,25 +33,25 @@ HULL_TOLERANCE = 1e-3
 """Tolerance for rounding, as a share of the size of a body's box."""
 
 
-def roles(finished: Finished) -> Iterator[str]:
+def roles(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
-    for geom in (geom for pair in finished.shapes.values() for geom in pair[0]):
+    for geom in (geom for pair in finished.geoms_by_body.values() for geom in pair[0]):
         if model.geom_group[geom] != VISUAL:
             yield "put the visual geoms into group 2"
             break
-    for geom in (geom for pair in finished.shapes.values() for geom in pair[1]):
+    for geom in (geom for pair in finished.geoms_by_body.values() for geom in pair[1]):
         if model.geom_group[geom] != COLLISION:
             yield "put the colliders into group 3, apart from the visual geoms"
             break
 
 
-def colliders(finished: Finished) -> Iterator[str]:
-    for body, (_, solid) in finished.shapes.items():
+def colliders(finished: FinishedRobot) -> Iterator[str]:
+    for body, (_, solid) in finished.geoms_by_body.items():
         if not solid:
             yield f"give {finished.name_of('body', body)} a collider: mesh.colliders"
 
 
-def inertias(finished: Finished) -> Iterator[str]:
+def inertias(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     for index, name in finished.bodies:
         a, b, c = np.sort(model.body_inertia[index])
@@ -59,9 +59,9 @@ def inertias(finished: Finished) -> Iterator[str]:
             yield f"the inertia of {name} is impossible for a body: {a:.3g}, {b:.3g}, {c:.3g} kg m²"
 
 
-def extents(finished: Finished) -> Iterator[str]:
+def extents(finished: FinishedRobot) -> Iterator[str]:
     model, judged = finished.model, False
-    for body, pair in finished.shapes.items():
+    for body, pair in finished.geoms_by_body.items():
         geoms, mass = list(pair[0] or pair[1]), model.body_mass[body]
         if not body or not geoms or mass <= 0:
             continue
@@ -86,7 +86,7 @@ def extents(finished: Finished) -> Iterator[str]:
         raise NotApplicable("no body has both a mass and a shape")
 
 
-def masses(finished: Finished) -> Iterator[str]:
+def masses(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     for index, name in finished.bodies:
         mass, above = model.body_mass[index], int(model.body_parentid[index])
@@ -96,7 +96,7 @@ def masses(finished: Finished) -> Iterator[str]:
             yield f"{name} weighs {1e3 * mass:.3g} g: fuse it with its neighbour, or give it its mass"
 
 
-def moving(finished: Finished) -> Iterator[str]:
+def moving(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     used = {int(body) for body in model.site_bodyid} | set(model.cam_bodyid.tolist())
     for index, name in finished.bodies:
@@ -104,7 +104,7 @@ def moving(finished: Finished) -> Iterator[str]:
             yield f"fuse {name}, which does not move against its parent: export.mjcf.fixed_joints"
 
 
-def frames(finished: Finished) -> Iterator[str]:
+def frames(finished: FinishedRobot) -> Iterator[str]:
     if not finished.robot.frames:
         raise NotApplicable("the robot has no frames")
     model = finished.model
@@ -118,7 +118,7 @@ def frames(finished: Finished) -> Iterator[str]:
     )
 
 
-def names(finished: Finished) -> Iterator[str]:
+def names(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     counts = {
         "body": model.nbody,
@@ -135,7 +135,9 @@ def names(finished: Finished) -> Iterator[str]:
         if illegal_names:
             examples = ", ".join(map(repr, illegal_names[:3]))
             yield f"name each {kind} in letters, digits and underscores: {examples}"
-    unnamed = [geom for _, solid in finished.shapes.values() for geom in solid if not model.geom(geom).name]
+    unnamed = [
+        geom for _, solid in finished.geoms_by_body.values() for geom in solid if not model.geom(geom).name
+    ]
     if unnamed:
         yield f"name {count(len(unnamed), 'collider')}"
     shared_names = set(names_by_kind["body"]) & set(names_by_kind["joint"])
@@ -143,9 +145,9 @@ def names(finished: Finished) -> Iterator[str]:
         yield f"SDF takes no link and joint of one name: {', '.join(sorted(shared_names))}"
 
 
-def pieces(finished: Finished) -> Iterator[str]:
+def pieces(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
-    solid = {body: pair[1] for body, pair in finished.shapes.items() if pair[1]}
+    solid = {body: pair[1] for body, pair in finished.geoms_by_body.items() if pair[1]}
     if not solid:
         raise NotApplicable("nothing collides")
     for body, geoms in solid.items():

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_and_rewritten
 from linkwright.stages.robot.system.install import install
-from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 
 MAX_FACES = 200_000
 """Largest number of faces of an STL that MuJoCo reads."""
@@ -25,28 +25,28 @@ COUNTS = ("nq", "nv", "nu", "nbody", "ngeom", "neq", "nsite", "nkey", "nexclude"
 ARRAYS = ("body_mass", "body_inertia", "body_pos", "jnt_range", "dof_armature", "geom_size", "key_qpos")
 
 
-def compiles(finished: Finished) -> Iterator[str]:
-    return finished.proved_by(["COMPILE"], "no check compiled the files")
+def compiles(finished: FinishedRobot) -> Iterator[str]:
+    return finished.failures_of(["COMPILE"], "no check compiled the files")
 
 
-def same_mass(finished: Finished) -> Iterator[str]:
-    return finished.proved_by(["MASS"], "no check compared the masses with the source")
+def same_mass(finished: FinishedRobot) -> Iterator[str]:
+    return finished.failures_of(["MASS"], "no check compared the masses with the source")
 
 
-def rests(finished: Finished) -> Iterator[str]:
-    return finished.proved_by(["REST"], "no check let it rest at home")
+def rests(finished: FinishedRobot) -> Iterator[str]:
+    return finished.failures_of(["REST"], "no check let it rest at home")
 
 
-def noise(finished: Finished) -> Iterator[str]:
-    return finished.proved_by(["NOISE", "TRIAL"], "no check simulated it")
+def noise(finished: FinishedRobot) -> Iterator[str]:
+    return finished.failures_of(["NOISE", "TRIAL"], "no check simulated it")
 
 
-def contacts_at_home(finished: Finished) -> Iterator[str]:
+def contacts_at_home(finished: FinishedRobot) -> Iterator[str]:
     codes = ["SELF-CONTACT", "START"]
-    return finished.proved_by(codes, "no check looked for contacts at home")
+    return finished.failures_of(codes, "no check looked for contacts at home")
 
 
-def collider_tolerances(finished: Finished) -> Iterator[str]:
+def collider_tolerances(finished: FinishedRobot) -> Iterator[str]:
     figures = finished.geometry.colliders if finished.geometry else ()
     judged = [figure for figure in figures if figure.rung != "none" and figure.tolerance is not None]
     if not judged:
@@ -58,7 +58,7 @@ def collider_tolerances(finished: Finished) -> Iterator[str]:
             yield f"the collider of {parts} of {figure.link} is {times} off: mesh.colliders"
 
 
-def assets(finished: Finished) -> Iterator[str]:
+def assets(finished: FinishedRobot) -> Iterator[str]:
     digests: dict[str, str] = {}
     for path in sorted((finished.folder / "assets").glob("*")):
         data = path.read_bytes()
@@ -73,18 +73,18 @@ def assets(finished: Finished) -> Iterator[str]:
         raise NotApplicable("there are no meshes")
 
 
-def closes(finished: Finished) -> Iterator[str]:
+def closes(finished: FinishedRobot) -> Iterator[str]:
     if not finished.robot.loops and not finished.robot.relations:
         raise NotApplicable("the robot has no loops and no relations")
-    return finished.proved_by(["LOOP", "RELATION", "CLOSED"], "no check looked at loops and relations")
+    return finished.failures_of(["LOOP", "RELATION", "CLOSED"], "no check looked at loops and relations")
 
 
-def parity(finished: Finished) -> Iterator[str]:
+def parity(finished: FinishedRobot) -> Iterator[str]:
     otherwise = f"proved elsewhere: no second engine is installed here ({install('pin')})"
-    return finished.proved_by(["PARITY"], otherwise)
+    return finished.failures_of(["PARITY"], otherwise)
 
 
-def formats(finished: Finished) -> Iterator[str]:
+def formats(finished: FinishedRobot) -> Iterator[str]:
     files = [path for ending in ("urdf", "sdf", "usda") for path in finished.folder.glob(f"*.{ending}")]
     if not files:
         raise NotApplicable("the robot was written in one format")
@@ -96,7 +96,7 @@ def formats(finished: Finished) -> Iterator[str]:
     )
 
 
-def round_trip(finished: Finished) -> Iterator[str]:
+def round_trip(finished: FinishedRobot) -> Iterator[str]:
     files = {path.name: path.read_bytes() for path in (finished.folder / "assets").glob("*")}
     try:
         # C-COMPILE reports its warnings.
@@ -115,7 +115,7 @@ def round_trip(finished: Finished) -> Iterator[str]:
             yield f"what MuJoCo writes of it is {difference:.2g} off in {key}"
 
 
-def provenance(finished: Finished) -> Iterator[str]:
+def provenance(finished: FinishedRobot) -> Iterator[str]:
     path = finished.folder / "robot.json"
     tree = json.loads(path.read_bytes()) if path.exists() else {}
     if not tree:

@@ -23,7 +23,7 @@ class NotApplicable(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Finished:
+class FinishedRobot:
     """A robot whose files have been written."""
 
     folder: Path
@@ -46,12 +46,12 @@ class Finished:
 
     @cached_property
     def xml(self) -> Element:
-        """The root of the robot's MJCF."""
-        return parse(self.path.read_bytes())
+        """The root of the robot's MJCF; raises NotApplicable if the file is not XML."""
+        return _parsed(self.path)
 
     @cached_property
     def scene(self) -> Element:
-        """The scene's XML; raises NotApplicable if there is no scene."""
+        """The root of the scene; raises NotApplicable if there is no scene, or it is not XML."""
         path = self.folder / "scene.xml"
         if not path.exists():
             raise NotApplicable("no scene.xml was written")
@@ -59,19 +59,21 @@ class Finished:
 
     @cached_property
     def urdf(self) -> Element:
-        """The URDF; raises NotApplicable if there is no URDF."""
+        """The root of the URDF; raises NotApplicable if there is no URDF, or it is not XML."""
         path = self.folder / f"{self.robot.name}.urdf"
         if not path.exists():
             raise NotApplicable("no URDF was written")
         return _parsed(path)
 
     @cached_property
-    def shapes(self) -> dict[int, tuple[list[int], list[int]]]:
+    def geoms_by_body(self) -> dict[int, tuple[list[int], list[int]]]:
         """Body → its purely visual geoms and its colliding geoms, without those of the scene."""
         by_body = seen_and_solid(self.model)
-        of_robot = {body: geoms for body, geoms in by_body.items() if body}
+        robot_geoms = {body: geoms for body, geoms in by_body.items() if body}
         # Geoms of body 0 are the robot's only if its root is the world; otherwise they are the scene's.
-        return {**of_robot, **({0: by_body[0]} if 0 in by_body and self.robot.root.name == "world" else {})}
+        if 0 in by_body and self.robot.root.name == "world":
+            robot_geoms[0] = by_body[0]
+        return robot_geoms
 
     @property
     def bodies(self) -> Iterator[tuple[int, str]]:
@@ -95,7 +97,7 @@ class Finished:
         """Returns the name of the element of this kind (such as "joint") and index."""
         return str(getattr(self.model, kind)(int(index)).name)
 
-    def proved_by(self, kinds: Iterable[str], otherwise: str) -> Iterator[str]:
+    def failures_of(self, kinds: Iterable[str], otherwise: str) -> Iterator[str]:
         """Yields the failures of this run's checks of these kinds: codes without "C-". Raises NotApplicable
         with the message `otherwise` if no such check ran."""
         codes = {f"C-{kind}" for kind in kinds}
@@ -106,19 +108,20 @@ class Finished:
 
 
 def _parsed(path: Path) -> Element:
-    """Returns the root of a file, which may have been damaged since it was written."""
+    """Returns the root of a file. Raises NotApplicable if the file is not XML, since it may have been damaged
+    after it was written."""
     try:
         return parse(path.read_bytes())
     except Malformed:
-        raise NotApplicable(f"{path.name} is no XML") from None
+        raise NotApplicable(f"{path.name} is not XML") from None
 
 
-Judge = Callable[[Finished], Iterable[str]]
+PointJudge = Callable[[FinishedRobot], Iterable[str]]
 """Yields what a robot lacks to meet a point, as texts; nothing if the point is met. Raises NotApplicable if
 the point does not apply."""
 
 
-def smallest_share(values: Any, limit: float) -> bool:
+def has_noise(values: Any, limit: float) -> bool:
     """Tells whether the numbers of an attribute include noise: a number that is not 0, but below `limit`
     times the largest."""
     sizes = np.abs(np.asarray(values))

@@ -12,7 +12,7 @@ from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.coordinates import BALL, FREE
 from linkwright.stages.validate.model.equality_solver import equalities
 from linkwright.stages.validate.model.shapes import reach
-from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 
 MIN_SINGULAR_VALUE = 1e-6
 """Smallest singular value of the equalities' Jacobian that counts for its rank."""
@@ -26,7 +26,7 @@ GROUND_DISTANCE = (-1e-6, 2e-3)
 DOWN = np.array([[0.0, 0.0, -1.0]])
 
 
-def limits(finished: Finished) -> Iterator[str]:
+def limits(finished: FinishedRobot) -> Iterator[str]:
     model, limits_by_name = finished.model, {dof.name: dof.limits for dof in finished.robot.dofs}
     data = finished.home
     for joint in finished.scalar_joints:
@@ -40,7 +40,7 @@ def limits(finished: Finished) -> Iterator[str]:
             yield f"{name} is at {value:.4g} at home, outside its range {low:.4g} to {high:.4g}"
 
 
-def drives(finished: Finished) -> Iterator[str]:
+def drives(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     joints = _driven(finished)
     if not joints:
@@ -59,7 +59,7 @@ def drives(finished: Finished) -> Iterator[str]:
             yield f"bound the force on {name} once, at the joint or at the actuator"
 
 
-def controls(finished: Finished) -> Iterator[str]:
+def controls(finished: FinishedRobot) -> Iterator[str]:
     model, joints = finished.model, _driven(finished)
     if not joints:
         raise NotApplicable("nothing is driven")
@@ -81,7 +81,7 @@ def controls(finished: Finished) -> Iterator[str]:
                 yield f"keep the controls of {name} within its range"
 
 
-def _driven(finished: Finished) -> list[tuple[int, int]]:
+def _driven(finished: FinishedRobot) -> list[tuple[int, int]]:
     """Returns the actuators of joints with a single dof, each with its joint."""
     model = finished.model
     of_joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
@@ -93,7 +93,7 @@ def _driven(finished: Finished) -> list[tuple[int, int]]:
     ]
 
 
-def _free(finished: Finished) -> int:
+def _free(finished: FinishedRobot) -> int:
     """Returns the number of independent motions, without those of a floating base: the number of dofs less
     the rank of the equalities."""
     model = finished.model
@@ -103,7 +103,7 @@ def _free(finished: Finished) -> int:
     return int(model.nv - passive - (sizes > MIN_SINGULAR_VALUE).sum())
 
 
-def keyframe(finished: Finished) -> Iterator[str]:
+def keyframe(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     key = keyframe_of(model, "home")
     if key < 0:
@@ -122,7 +122,7 @@ def keyframe(finished: Finished) -> Iterator[str]:
             yield f"{finished.name_of('actuator', index)} has a control at home out of its range"
 
 
-def base_placement(finished: Finished) -> Iterator[str]:
+def base_placement(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     free = [joint for joint in range(model.njnt) if model.jnt_type[joint] == FREE]
     if finished.robot.base.fixed:
@@ -136,7 +136,7 @@ def base_placement(finished: Finished) -> Iterator[str]:
     if ground is None:
         raise NotApplicable("there is no flat ground")
     lowest = min(
-        (_lowest(finished, body, solid) for body, (_, solid) in finished.shapes.items() if solid),
+        (_lowest(finished, body, solid) for body, (_, solid) in finished.geoms_by_body.items() if solid),
         default=None,
     )
     if lowest is None:
@@ -154,14 +154,14 @@ def _ground(model: Any) -> float | None:
     return None
 
 
-def _lowest(finished: Finished, body: int, solid: list[int]) -> float:
+def _lowest(finished: FinishedRobot, body: int, solid: list[int]) -> float:
     """Returns the height [m] of a body's lowest colliding point at `home`."""
     data = finished.home
     down = DOWN @ data.xmat[body].reshape(3, 3)
     return float(data.xpos[body][2] - reach(finished.model, solid, down)[0])
 
 
-def sensors(finished: Finished) -> Iterator[str]:
+def sensors(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     kinds = {int(kind) for kind in model.sensor_type}
     kind = mujoco.mjtSensor

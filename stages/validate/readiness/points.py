@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from linkwright.stages.validate.readiness import bodies, evidence, joints, text
-from linkwright.stages.validate.readiness.finished import Finished, Judge
+from linkwright.stages.validate.readiness.finished import FinishedRobot, PointJudge
 
 
-def masses(finished: Finished) -> Iterator[str]:
+def masses(finished: FinishedRobot) -> Iterator[str]:
     """Judges masses, and the form of inertias in the file."""
     yield from bodies.masses(finished)
     yield from text.inertia_convention(finished)
@@ -21,10 +21,10 @@ class Point:
     title: str
     """The point as a statement."""
 
-    judge: Judge
+    judge: PointJudge
 
 
-TITLES_AND_JUDGES: tuple[tuple[str, Judge], ...] = (
+TITLES_AND_JUDGES: tuple[tuple[str, PointJudge], ...] = (
     ("loads from any folder, without a warning", evidence.compiles),
     ("the robot's file is the robot alone; scene.xml adds ground, light and sky", text.the_robot_alone),
     ("radians; all paths are relative, to files that exist", text.paths),

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from linkwright.stages.robot.check import Check, Table
 from linkwright.stages.robot.text.plural import count
-from linkwright.stages.validate.readiness.finished import Finished, NotApplicable
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 from linkwright.stages.validate.readiness.points import POINTS, Point
 
 CODE = "C-READINESS"
@@ -18,7 +18,7 @@ MAX_FAULTS = 5
 """Largest number of faults that are listed for a point."""
 
 
-def score(finished: Finished) -> Check:
+def score(finished: FinishedRobot) -> Check:
     """Scores a finished robot. The check always passes, since the score only informs."""
     judgements = [_JudgedPoint(point, *judge_point(point, finished)) for point in POINTS]
     passed = sum(judgement.verdict == PASSED for judgement in judgements)
@@ -48,7 +48,7 @@ def _detail(judgements: Sequence[_JudgedPoint], passed: int, total: int) -> str:
     return f"{detail}; missing: {', '.join(missing)}" if missing else detail
 
 
-def judge_point(point: Point, finished: Finished) -> tuple[str, str]:
+def judge_point(point: Point, finished: FinishedRobot) -> tuple[str, str]:
     """Returns a point's verdict, and the reason as text."""
     try:
         faults = list(_faults(point, finished))
@@ -60,6 +60,6 @@ def judge_point(point: Point, finished: Finished) -> tuple[str, str]:
     return (MISSING, "; ".join(faults[:MAX_FAULTS]) + remainder) if faults else (PASSED, "")
 
 
-def _faults(point: Point, finished: Finished) -> Iterator[str]:
+def _faults(point: Point, finished: FinishedRobot) -> Iterator[str]:
     """Yields each fault of a point once."""
     yield from dict.fromkeys(point.judge(finished))

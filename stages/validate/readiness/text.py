@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from linkwright.stages.formats.xml import Element
-from linkwright.stages.validate.readiness.finished import Finished, NotApplicable, smallest_share
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable, has_noise
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
@@ -16,7 +16,7 @@ CLASS_ATTRIBUTES = ("contype", "conaffinity", "group", "density", "mass")
 """Attributes that belong into a geom's class, so that no geom repeats them."""
 
 
-def the_robot_alone(finished: Finished) -> Iterator[str]:
+def the_robot_alone(finished: FinishedRobot) -> Iterator[str]:
     for element in finished.xml.iterfind("worldbody/*"):
         if element.tag == "light" or (element.tag == "geom" and element.get("type") == "plane"):
             yield f"move <{element.tag}> from {finished.path.name} to scene.xml"
@@ -32,7 +32,7 @@ def the_robot_alone(finished: Finished) -> Iterator[str]:
             yield f"give scene.xml {words}"
 
 
-def paths(finished: Finished) -> Iterator[str]:
+def paths(finished: FinishedRobot) -> Iterator[str]:
     compiler = finished.xml.find("compiler")
     settings = {} if compiler is None else compiler.attrib
     if settings.get("angle") != "radian":
@@ -65,7 +65,7 @@ def _below(path: str) -> str:
     return path.removeprefix("package://").partition("/")[2] if path.startswith("package://") else path
 
 
-def classes(finished: Finished) -> Iterator[str]:
+def classes(finished: FinishedRobot) -> Iterator[str]:
     root = finished.xml.find("default/default")
     names = set() if root is None else {default.get("class") for default in root.iter("default")}
     if root is None or not root.get("class") or not {"visual", "collision"} <= names:
@@ -80,7 +80,7 @@ def classes(finished: Finished) -> Iterator[str]:
         yield f"let classes say {', '.join(sorted(repeated))}, not geoms"
 
 
-def inertials(finished: Finished) -> Iterator[str]:
+def inertials(finished: FinishedRobot) -> Iterator[str]:
     for body in finished.xml.iterfind(".//worldbody//body"):
         if body.find("inertial") is None:
             yield f"write the inertia of {body.get('name')}"
@@ -90,7 +90,7 @@ def inertials(finished: Finished) -> Iterator[str]:
         yield f"{', '.join(sorted(massive))} have a mass of their own beside the inertia"
 
 
-def inertia_convention(finished: Finished) -> Iterator[str]:
+def inertia_convention(finished: FinishedRobot) -> Iterator[str]:
     forms = set()
     for inertial in finished.xml.iterfind(".//worldbody//body/inertial"):
         forms |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
@@ -98,7 +98,7 @@ def inertia_convention(finished: Finished) -> Iterator[str]:
         yield "write all inertias as diaginertia and quat, or all as fullinertia"
 
 
-def order(finished: Finished) -> Iterator[str]:
+def order(finished: FinishedRobot) -> Iterator[str]:
     tree = [joint.get("name") for joint in finished.xml.iterfind(".//worldbody//joint")]
     actuators = finished.xml.iterfind("actuator/*[@joint]")
     driven = [(actuator.get("name"), actuator.get("joint")) for actuator in actuators]
@@ -116,7 +116,7 @@ def order(finished: Finished) -> Iterator[str]:
         yield "write the URDF's joints in the MJCF's order"
 
 
-def materials(finished: Finished) -> Iterator[str]:
+def materials(finished: FinishedRobot) -> Iterator[str]:
     with_colour = finished.xml.iterfind("asset/material[@rgba]")
     colours = [material.get("rgba") for material in with_colour if not material.get("texture")]
     if len(colours) != len(set(colours)):
@@ -126,18 +126,18 @@ def materials(finished: Finished) -> Iterator[str]:
         yield f"give {len(coloured)} geoms a material in place of a colour"
 
 
-def numbers(finished: Finished) -> Iterator[str]:
+def numbers(finished: FinishedRobot) -> Iterator[str]:
     for element in finished.xml.iter():
         for key, text in element.attrib.items():
             words = text.split()
             if not words or not all(NUMBER.fullmatch(word) for word in words):
                 continue
             zero = any(word.startswith("-") and float(word) == 0 for word in words)
-            if zero or (key != "qpos" and smallest_share([float(word) for word in words], NOISE_SHARE)):
+            if zero or (key != "qpos" and has_noise([float(word) for word in words], NOISE_SHARE)):
                 yield f'{element.tag} {element.get("name", "")}: {key}="{text}" has noise, or a negative zero'
 
 
-def option(finished: Finished) -> Iterator[str]:
+def option(finished: FinishedRobot) -> Iterator[str]:
     element = finished.xml.find("option")
     settings = {} if element is None else element.attrib
     if "timestep" not in settings:

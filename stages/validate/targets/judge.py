@@ -11,8 +11,8 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.targets.engines import ENGINES
 from linkwright.stages.targets.readers import rows_of
 from linkwright.stages.targets.row import ReaderRow
-from linkwright.stages.targets.things import THINGS_OF_ROBOTS, of_robot
-from linkwright.stages.validate.files.run import result
+from linkwright.stages.targets.things import THINGS_OF_ROBOTS, names_in_robot
+from linkwright.stages.validate.files.run import check_of
 from linkwright.stages.validate.reading.documents import ROOTS, read
 from linkwright.stages.validate.targets.model_things import MODEL
 from linkwright.stages.validate.targets.text_things import TEXT
@@ -50,7 +50,7 @@ class _JudgedFile:
         elif find is not None and self.document is not None:
             yield from find(self.document)
         elif self.written is not None and row.thing not in MODEL:
-            names = of_robot(row, self.written.robot, self.written.shapes)
+            names = names_in_robot(row, self.written.robot, self.written.shapes)
             yield from (Finding(name, "", "") for name in names)
 
 
@@ -92,9 +92,9 @@ def judge_file(
         row for row in rows if row.met == "stated" and (written is None or row.thing not in THINGS_OF_ROBOTS)
     ]
     left_out = _findings(stated, judged_file)
-    checks = [result(path, name, CODE, "error", refused, passed)]
+    checks = [check_of(path, name, CODE, "error", refused, passed)]
     if left_out:
-        checks.append(result(path, f"left out by {target_text}", CODE, "warning", left_out, passed))
+        checks.append(check_of(path, f"left out by {target_text}", CODE, "warning", left_out, passed))
     return tuple(checks)
 
 

@@ -12,7 +12,7 @@ import yaml
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.motor_files import OURS
 from linkwright.stages.export import export
-from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.joint_limits import with_limits_and_dynamics
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.robot import Limits
@@ -141,7 +141,7 @@ def test_more_specific_value_wins_and_losers_are_reported(joints, entry, wins, q
     plan = plan_of(
         joints={joints: {quantity: 3.25}}, motors={"own": FULL}, actuators={entry: {"motor": "own"}}
     )
-    robot = with_properties(pendulum(), plan.joints, Diagnostics())
+    robot = with_limits_and_dynamics(pendulum(), plan.joints, Diagnostics())
     outcome = export(robot, NO_MESHES, plan)
     record = dof_of(outcome)
     motors = OF_THE_JOINT | ({} if wins else {quantity: 3.25})
@@ -211,7 +211,7 @@ def test_class_has_the_name_of_a_motor_only_with_its_values(values, name):
     plan = plan_of(
         joints={"arm_joint": values}, motors={"own": FULL}, actuators={"arm_joint": {"motor": "own"}}
     )
-    outcome = export(with_properties(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan)
+    outcome = export(with_limits_and_dynamics(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan)
     assert class_of(outcome, "arm_joint") == name
 
 
@@ -312,7 +312,7 @@ def test_plan_of_a_motor_has_its_content():
 def test_joints_of_a_robots_file_win_over_its_motors():
     joints = {"arm_joint": {"rotor_inertia": 1e-5, "gear": 50, "effort": 12}}
     plan = plan_of(joints=joints, actuators={"arm_joint": {"motor": "mx106"}})
-    dof = dof_of(export(with_properties(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan))
+    dof = dof_of(export(with_limits_and_dynamics(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan))
     assert (dof["armature"], dof["effort"], dof["velocity"]) == (pytest.approx(0.025), 12, 5.096)
     assert (dof["provenance"]["armature"], dof["provenance"]["effort"]) == ("given", "given")
     assert dof["provenance"]["velocity"].startswith("motor mx106: ")

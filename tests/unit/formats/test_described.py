@@ -57,7 +57,7 @@ def whole(seed):
     turn, slide = rows[1].dofs[0], rows[2].dofs[0]
     moved = replace(
         turn, limits=Limits(-1, None), dynamics=Dynamics(0.1, 0.2, 0.003, 5, 6), saved=0.3,
-        given=("limits", "effort"), in_mate=MateValue(-1, 0.25),
+        given=("limits", "effort"), mate_value=MateValue(-1, 0.25),
     )  # fmt: skip
     rows[1] = replace(rows[1], dofs=(moved,), mate=MateRef(("a", "b"), "F1", "Hinge", "REVOLUTE", "copy1"))
     rows[2] = replace(rows[2], mate=None)

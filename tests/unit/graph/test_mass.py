@@ -12,7 +12,7 @@ import yaml
 from linkwright.stages.formats.meshes.body_arrays import Body
 from linkwright.stages.graph.onshape.definition import read_assembly
 from linkwright.stages.graph.onshape.mass.mass_estimate import shape_of
-from linkwright.stages.graph.onshape.mass.part_mass import weighed
+from linkwright.stages.graph.onshape.mass.part_mass import part_masses
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import AssemblyError, ConfigError
 from tests.fake_onshape import solids
@@ -50,7 +50,7 @@ def weights(kit, bundle=None, **mass):
     bundle = bundle or bundle_of(kit.document)
     assembly = read_assembly(bundle.body(bundle.definition))
     log = Diagnostics()
-    by_path = weighed(assembly, bundle, plan_of(mass=mass).mass, log)
+    by_path = part_masses(assembly, bundle, plan_of(mass=mass).mass, log)
     return {assembly.occurrences[path].title: weight for path, weight in by_path.items()}, log
 
 

@@ -14,9 +14,9 @@ from linkwright.stages.mesh.collide.cut_pieces import PieceCutter
 from linkwright.stages.mesh.collide.improvement import BOUNDS, Improvement, helper
 from linkwright.stages.mesh.colliders import coacd as collider
 from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
-from linkwright.stages.mesh.decompose import Search, convex_pieces, search
+from linkwright.stages.mesh.decompose import CoacdParameters, coacd_parameters, convex_pieces
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED, prepared
-from linkwright.stages.mesh.decompose.seams import containing_hull, grown
+from linkwright.stages.mesh.decompose.seams import containing_hull, expanded_corners
 from linkwright.stages.mesh.measure import Target
 from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.section import MeshSection
@@ -108,7 +108,7 @@ def test_bowl_stays_open():
 
 
 def corners(surface):
-    return [piece.vertices.tolist() for piece in convex_pieces(surface, TOLERANCE, Search())]
+    return [piece.vertices.tolist() for piece in convex_pieces(surface, TOLERANCE, CoacdParameters())]
 
 
 @pytest.mark.slow
@@ -221,10 +221,10 @@ def test_guest_runs_on_one_thread(visitor):
 def test_parameters_are_those_of_coacd_with_its_names():
     import coacd
 
-    arguments = search("normal", {}).arguments(0.001)
+    arguments = coacd_parameters("normal", {}).arguments(0.001)
     assert set(arguments) == set(inspect.signature(coacd.run_coacd).parameters) - {"mesh"}
     assert (arguments["threshold"], arguments["real_metric"]) == (0.002, True)
-    chosen = search("normal", {"threshold": 0.1, "pca": True, "seed": 7}).arguments(0.001)
+    chosen = coacd_parameters("normal", {"threshold": 0.1, "pca": True, "seed": 7}).arguments(0.001)
     assert [chosen[name] for name in ("threshold", "real_metric", "pca", "seed")] == [0.1, False, True, 7]
 
 
@@ -232,20 +232,20 @@ def test_parameters_are_those_of_coacd_with_its_names():
     ("name", "value", "message"),
     [
         ("treshold", 0.1, "did you mean threshold?"),
-        ("threshold", -1, "no positive number"),
+        ("threshold", -1, "not a positive number"),
         ("threshold", 5, "not between 0.01 and 1"),
         ("threshold", 0.001, "not between 0.01 and 1"),
-        ("threshold", True, "no positive number"),
+        ("threshold", True, "not a positive number"),
         ("mcts_nodes", 0, "not between 2 and 100"),
-        ("mcts_nodes", 2.5, "no whole number"),
+        ("mcts_nodes", 2.5, "not a whole number"),
         ("pca", 1, "neither true nor false"),
-        ("preprocess_mode", "maybe", "none of auto, on, off"),
+        ("preprocess_mode", "maybe", "not one of auto, on, off"),
         ("max_convex_hull", 4, "needs merge: true"),
     ],
 )
 def test_wrong_parameter_is_reported_with_its_key(name, value, message):
     with pytest.raises(ConfigError) as caught:
-        search("normal", {name: value})
+        coacd_parameters("normal", {name: value})
     assert caught.value.where == f"mesh.coacd.{name}"
     assert message in f"{caught.value.message} {caught.value.hint}"
 
@@ -274,7 +274,7 @@ def test_wrong_parameter_is_an_error_of_its_key():
     ids=str,
 )
 def test_coacd_takes_its_parameters(options):
-    assert 1 <= len(decompose(BRACKET, TOLERANCE, search=search("low", options))) <= 16
+    assert 1 <= len(decompose(BRACKET, TOLERANCE, parameters=coacd_parameters("low", options))) <= 16
 
 
 @pytest.mark.slow
@@ -296,7 +296,7 @@ def test_hull_of_fewer_vertices_contains_the_whole_hull():
     assert capped.volume() < 1.35 * ball.volume()
     assert containing_hull(ball, 10_000) is ball
     (cube,) = decompose(surface_of(solids.box(0.02, 0.03, 0.04)), TOLERANCE)
-    assert np.ptp(grown(cube, 0.001), axis=0) == pytest.approx([0.022, 0.032, 0.042], abs=1e-7)
+    assert np.ptp(expanded_corners(cube, 0.001), axis=0) == pytest.approx([0.022, 0.032, 0.042], abs=1e-7)
 
 
 @pytest.mark.slow

@@ -84,13 +84,13 @@ def test_a_mac_runs_it_by_mjpython(built, windows, monkeypatch, tmp_path):
     (bin_ / "mjpython").chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(bin_ / "python"))
     assert view.run(["arm"], {}, "darwin") == 0
-    assert (tmp_path / "asked").read_text().strip() == f"-c {view._ON_MAC} outputs/arm/scene.xml"
+    assert (tmp_path / "asked").read_text().strip() == f"-c {view._MJPYTHON_CODE} outputs/arm/scene.xml"
     assert windows == []
     (bin_ / "mjpython").write_text("#!/bin/sh\nexit 7\n")
     assert view.run(["arm"], {}, "darwin") == 1
     (bin_ / "mjpython").unlink()
     monkeypatch.setenv("PATH", str(bin_))
-    with pytest.raises(OutputError, match="there is no mjpython"):
+    with pytest.raises(OutputError, match="mjpython is missing"):
         view.run(["arm"], {}, "darwin")
 
 

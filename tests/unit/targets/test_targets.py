@@ -22,7 +22,7 @@ from linkwright.stages.targets.engines import ENGINES, NO_LIMITS, MujocoVersion,
 from linkwright.stages.targets.options import actuation_of, flags_of, options_of
 from linkwright.stages.targets.readers import READERS, rows_of
 from linkwright.stages.targets.section import TargetSection
-from linkwright.stages.targets.things import THINGS_OF_ROBOTS, dropped_things
+from linkwright.stages.targets.things import THINGS_OF_ROBOTS, reader_rows_of_robot
 from linkwright.stages.validate.targets.model_things import MODEL
 from linkwright.stages.validate.targets.text_things import TEXT
 from tests.support import drake
@@ -212,9 +212,9 @@ def test_row_says_in_what_it_was_read():
 
 
 def test_report_says_how_a_target_meets_a_row():
-    rows = dropped_things(ARM, NO_MESHES, ["urdf"], {"pybullet": None})
+    rows = reader_rows_of_robot(ARM, NO_MESHES, ["urdf"], {"pybullet": None})
     assert {row["reader"]: row.get("target") for row in rows}["PyBullet"] in ("refused", "stated", "replaced")
-    assert all("target" not in row for row in dropped_things(ARM, NO_MESHES, ["urdf"]))
+    assert all("target" not in row for row in reader_rows_of_robot(ARM, NO_MESHES, ["urdf"]))
 
 
 def test_report_marks_the_rows_of_the_chosen_version():
@@ -222,7 +222,7 @@ def test_report_marks_the_rows_of_the_chosen_version():
 
     def marked(**target):
         versions = TargetSection(**target).versions
-        rows = dropped_things(robot, NO_MESHES, ["mjcf"], versions)
+        rows = reader_rows_of_robot(robot, NO_MESHES, ["mjcf"], versions)
         return {(row["reader"], row["version"]) for row in rows if "target" in row}
 
     assert (marked(mujoco={}), marked(mujoco={"version": "3.11"})) == (set(), {("MuJoCo", "3.11")})
@@ -261,7 +261,7 @@ def everything():
 
 
 def dropped(robot, geometry, *formats):
-    rows = dropped_things(robot, geometry, formats)
+    rows = reader_rows_of_robot(robot, geometry, formats)
     return {(row["reader"], row["format"], row["thing"]): row["of"] for row in rows}
 
 

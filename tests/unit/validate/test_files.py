@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.errors import SourceError
-from linkwright.stages.validate.files.run import check_document, check_folder, opened
+from linkwright.stages.validate.files.run import check_document, check_folder, read_checked
 from linkwright.stages.validate.reading import admission
 from linkwright.stages.validate.reading.admission import admitted
 from linkwright.stages.validate.reading.documents import read
@@ -138,7 +138,7 @@ def test_refusal_that_names_no_place_is_of_the_file(folder):
 
 def test_entities_are_no_xml_that_is_read(folder):
     (folder / "arm.urdf").write_text('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"/>')
-    document, check = opened(folder / "arm.urdf")
+    document, check = read_checked(folder / "arm.urdf")
     assert document is None
     assert not check.passed
 

@@ -8,7 +8,7 @@ import pytest
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
 from linkwright.stages.robot.model.robot import Frame
-from linkwright.stages.validate.readiness.finished import Finished
+from linkwright.stages.validate.readiness.finished import FinishedRobot
 from linkwright.stages.validate.readiness.points import POINTS
 from linkwright.stages.validate.readiness.score import MISSING, NOT_APPLICABLE, PASSED, score
 from tests.support.building import plan_of, write
@@ -41,7 +41,7 @@ def good(tmp_path_factory):
 
 def verdicts(robot, folder, **more):
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
-    check = score(Finished(folder, robot, model, **more))
+    check = score(FinishedRobot(folder, robot, model, **more))
     assert check.passed
     rows = {number: (verdict, words) for number, _, verdict, words in check.table.rows}
     assert check.value == sum(verdict == PASSED for verdict, _ in rows.values())
@@ -125,3 +125,13 @@ def test_file_that_broke_ends_no_score(copy):
     assert by_number[35][0] == MISSING
     assert by_number[35][1].startswith("it cannot be judged: JSONDecodeError")
     assert by_number[2][0] == by_number[18][0] == PASSED
+
+
+def test_points_about_a_damaged_mjcf_do_not_apply(copy):
+    robot, folder = copy
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    (folder / "robot.xml").write_text("<mujoco")
+    rows = score(FinishedRobot(folder, robot, model)).table.rows
+    assert not any("Malformed" in words for *_, words in rows)
+    damaged = {verdict for *_, verdict, words in rows if words == "robot.xml is not XML"}
+    assert damaged == {NOT_APPLICABLE}

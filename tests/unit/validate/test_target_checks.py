@@ -358,7 +358,7 @@ def test_verb_lists_the_engines_that_there_are():
 
 def test_message_reads_as_a_sentence_of_the_thing():
     (row,) = (row for row in rows_of("pybullet", "urdf") if row.thing == "relations")
-    assert message(row).startswith("PyBullet 3.2.7, relations: left out, without a word")
+    assert message(row).startswith("PyBullet 3.2.7, relations: dropped silently")
 
 
 def test_build_is_judged_as_its_file_and_its_model_are(tmp_path):

@@ -29,7 +29,7 @@ PartKey = tuple[StudioKey, str]
 """A part studio and the id of a part in it."""
 
 
-class Weight(NamedTuple):
+class PartMass(NamedTuple):
     """An inertial in the part's frame, the volume [m³], and whether the mass is an estimate."""
 
     inertial: Inertial
@@ -49,19 +49,21 @@ MAX_SMALL_SHARE, MAX_SMALL_TOTAL = 0.01, 0.1
 NO_TRIANGLES = "it has a mass, but no inertia, and no triangles to compute it from"
 """The message about a part of estimated mass in a bundle without triangles."""
 
+_MASS_HINT = "give them a material in Onshape, or a mass in mass.parts"
+
 PLAUSIBLE_DENSITIES = (5.0, 23000.0)
 """The range of plausible densities [kg/m³]: foam is no lighter and osmium no heavier."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Kind:
+class PartKind:
     """Occurrences of a part with the same overrides."""
 
     key: PartKey
     type: str
     overrides: PartMassSection
     occurrences: tuple[Occurrence, ...]
-    weight: Weight | None
+    part_mass: PartMass | None
     """The mass properties in CAD; None if no reply has them."""
     shape: PartShape | None = None
 
@@ -71,15 +73,15 @@ class Kind:
         return min(occurrence.title for occurrence in self.occurrences)
 
     @property
-    def called(self) -> str:
-        """Its title and the number of its occurrences."""
-        count = len(self.occurrences)
-        return self.title if count == 1 else f"{self.title} (and {count - 1} more like it)"
+    def label(self) -> str:
+        """Its title, and the number of its other occurrences."""
+        copies = len(self.occurrences) - 1
+        return f"{self.title} (and {copies} more like it)" if copies else self.title
 
     @property
     def volume(self) -> float:
         """The volume [m³] in CAD, else of its triangles; 0 if neither is known."""
-        cad_volume = self.weight[1] if self.weight else 0.0
+        cad_volume = self.part_mass.volume if self.part_mass else 0.0
         return cad_volume or (self.shape.volume if self.shape else 0.0)
 
     @property
@@ -89,12 +91,12 @@ class Kind:
             return self.overrides.mass
         if self.overrides.density is not None:
             return self.overrides.density * self.volume or None
-        return (self.weight[0].mass or None) if self.weight else None
+        return (self.part_mass.inertial.mass or None) if self.part_mass else None
 
 
-def weighed(
+def part_masses(
     assembly: Assembly, bundle: OnshapeBundle, keys: MassSection, log: Diagnostics
-) -> dict[Path, Weight]:
+) -> dict[Path, PartMass]:
     """Returns the mass properties of every part occurrence; problems are reported once for each kind of part.
 
     Reports E-BODY-TYPE, E-GLOB and E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
@@ -102,27 +104,28 @@ def weighed(
     """
     kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
     # Triangles are read only for parts without a mass in CAD.
-    unknown = [kind for kind in kinds if not (kind.weight and kind.weight[0].mass > 0)]
+    unknown = [kind for kind in kinds if not (kind.part_mass and kind.part_mass.inertial.mass > 0)]
     volumes = {kind.key: None if kind.type == SHEET else kind.volume for kind in unknown}
     shapes = shapes_of(bundle, volumes.items())
     kinds = [replace(kind, shape=shapes.get(kind.key)) for kind in kinds]
-    supposed = _estimated_masses(kinds, keys, log)
-    weights: dict[Path, Weight] = {}
+    estimates = _estimated_masses(kinds, keys, log)
+    masses_by_path: dict[Path, PartMass] = {}
     for kind in kinds:
-        mass = supposed.get(kind.key, 0.0) if kind.mass is None else kind.mass
-        weight = Weight(_inertial(kind, mass, log), kind.volume, kind.key in supposed and kind.mass is None)
+        mass = estimates.get(kind.key, 0.0) if kind.mass is None else kind.mass
+        is_estimated = kind.key in estimates and kind.mass is None
+        part_mass = PartMass(_inertial(kind, mass, log), kind.volume, is_estimated)
         if kind.mass is not None:
             _check_density(kind, log)
-        weights.update((occurrence.path, weight) for occurrence in kind.occurrences)
-    return weights
+        masses_by_path.update((occurrence.path, part_mass) for occurrence in kind.occurrences)
+    return masses_by_path
 
 
 def _kinds(
     assembly: Assembly,
-    masses: Mapping[PartKey, Weight],
+    masses: Mapping[PartKey, PartMass],
     sections: Mapping[str, PartMassSection],
     log: Diagnostics,
-) -> list[Kind]:
+) -> list[PartKind]:
     """Returns the kinds of parts, sorted by title; reports E-BODY-TYPE for those that no robot can have."""
     parts = assembly.parts
     names = [{part.title, part.names[-1], without_number(part.names[-1])} for part in parts]
@@ -131,12 +134,12 @@ def _kinds(
         groups.setdefault((part_key(part.record), entries), []).append(part)
     overrides = list(sections.values())
     kinds = [
-        Kind(
+        PartKind(
             key=key,
             type=assembly.body_types.get(key, "solid"),
             overrides=_merged_overrides([overrides[index] for index in entries]),
             occurrences=tuple(occurrences),
-            weight=masses.get(key),
+            part_mass=masses.get(key),
         )
         for (key, entries), occurrences in groups.items()
     ]
@@ -158,7 +161,7 @@ def _merged_overrides(entries: Sequence[PartMassSection]) -> PartMassSection:
     return PartMassSection.model_validate(values)
 
 
-def _estimated_masses(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
+def _estimated_masses(kinds: Sequence[PartKind], keys: MassSection, log: Diagnostics) -> dict[PartKey, float]:
     """Returns masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
     missing = [kind for kind in kinds if kind.mass is None and kind.type in PART_TYPES]
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.overrides.density]
@@ -174,17 +177,23 @@ def _estimated_masses(kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
     estimated = [kind for kind in small if kind.volume > 0 and keys.missing != "error"]
     _report_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
     masses = {kind.key: keys.density * kind.volume for kind in estimated}
-    if estimated:
-        total = sum(masses[kind.key] * len(kind.occurrences) for kind in estimated)
-        number = sum(len(kind.occurrences) for kind in estimated)
-        parts = count(number, "part")
-        text = f"{parts} without mass treated as solid with {keys.density:g} kg/m³: {total:.3g} kg"
-        hint = "give them a material in Onshape, or a mass in mass.parts"
-        log.report("W-MASS-ESTIMATED", text, name_list(kind.called for kind in estimated), hint)
+    _report_estimated(estimated, masses, keys.density, log)
     return masses
 
 
-def _negligible_kinds(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
+def _report_estimated(
+    estimated: Sequence[PartKind], masses: Mapping[PartKey, float], density: float, log: Diagnostics
+) -> None:
+    """Reports W-MASS-ESTIMATED for the kinds whose mass is estimated with this density [kg/m³]."""
+    if not estimated:
+        return
+    total = sum(masses[kind.key] * len(kind.occurrences) for kind in estimated)
+    parts = count(sum(len(kind.occurrences) for kind in estimated), "part")
+    text = f"{parts} without mass treated as solid with {density:g} kg/m³: {total:.3g} kg"
+    log.report("W-MASS-ESTIMATED", text, name_list(kind.label for kind in estimated), _MASS_HINT)
+
+
+def _negligible_kinds(kinds: Sequence[PartKind], missing: Sequence[PartKind]) -> list[PartKind]:
     """Returns the negligible parts without mass: each is small, and so is their sum."""
     total = sum(kind.volume * len(kind.occurrences) for kind in kinds)
     small = [kind for kind in missing if kind.volume < MAX_SMALL_SHARE * total]
@@ -192,22 +201,19 @@ def _negligible_kinds(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Ki
     return small if together < MAX_SMALL_TOTAL * total else []
 
 
-def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
+def _report_ignored(missing: Sequence[PartKind], log: Diagnostics) -> None:
     if missing:
-        number = sum(len(kind.occurrences) for kind in missing)
-        hint = "give them a material in Onshape, or a mass in mass.parts"
-        where = name_list(kind.called for kind in missing)
-        log.report(
-            "W-MASS-IGNORED", f"{count(number, 'part')} without mass: treated as massless", where, hint
-        )
+        parts = count(sum(len(kind.occurrences) for kind in missing), "part")
+        text = f"{parts} without mass: treated as massless"
+        log.report("W-MASS-IGNORED", text, name_list(kind.label for kind in missing), _MASS_HINT)
 
 
 def _report_missing(
-    missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection, log: Diagnostics
+    missing: Sequence[PartKind], kinds: Sequence[PartKind], keys: MassSection, log: Diagnostics
 ) -> None:
     """Reports E-MASS for each kind; the last report has the lines of YAML for all of them."""
     for kind in missing:
-        text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
+        text = "the part has no mass" if kind.part_mass else "the mass reply does not know this part"
         text += "" if len(kind.occurrences) == 1 else f" ({len(kind.occurrences)} of them)"
         hint = "give it a material, or a mass override, in Onshape"
         if not kind.volume:
@@ -218,7 +224,7 @@ def _report_missing(
         log.report("E-MASS", text, kind.title, hint)
 
 
-def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection) -> str:
+def _yaml_for(missing: Sequence[PartKind], kinds: Sequence[PartKind], keys: MassSection) -> str:
     """Returns the YAML that gives parts without mass a mass: a density for all, or a line for each."""
     owners: dict[str, set[int]] = {}
     for kind in kinds:
@@ -237,7 +243,7 @@ def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassSection)
     return f"; or give all of them in YAML: {all_at_once}  or each [kg]: mass: {{parts: {{{parts}}}}}"
 
 
-def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
+def _inertial(kind: PartKind, mass: float, log: Diagnostics) -> Inertial:
     """Returns the kind's inertial with this mass [kg]: from the user's values, else CAD's, else those of its
     triangles."""
     if mass < 0:
@@ -246,32 +252,30 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
         log.report("E-MASS", text, kind.title, hint)
     if mass <= 0:
         return ZERO
-    base = kind.weight[0] if kind.weight and kind.weight[0].mass > 0 else None
+    base = kind.part_mass.inertial if kind.part_mass and kind.part_mass.inertial.mass > 0 else None
     if base is None and kind.shape is not None:
         base = kind.shape.inertial
     com, inertia = kind.overrides.com, kind.overrides.inertia
     if base is None and (com is None or inertia is None):
         log.report("E-MASS", NO_TRIANGLES, kind.title, "give com and inertia too, in mass.parts")
         return ZERO
-    spread = scaled(base, mass) if base is not None else ZERO
+    base_of_mass = scaled(base, mass) if base is not None else ZERO
     return Inertial(
         mass,
-        spread.com if com is None else frozen(com),
-        spread.inertia if inertia is None else tensor(inertia),
+        base_of_mass.com if com is None else frozen(com),
+        base_of_mass.inertia if inertia is None else tensor(inertia),
     )
 
 
-def _check_density(kind: Kind, log: Diagnostics) -> None:
+def _check_density(kind: PartKind, log: Diagnostics) -> None:
     """Reports W-DENSITY if the mass of a part does not fit its volume."""
     low, high = PLAUSIBLE_DENSITIES
     mass, volume = kind.mass, kind.volume
     if not mass or not volume or low <= mass / volume <= high:
         return
-    text = (
-        f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: not a plausible density of a solid"
-    )
+    text = f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³"
     hint = "correct its material or its mass override in Onshape, or its mass in mass.parts"
-    log.report("W-DENSITY", text, kind.title, hint)
+    log.report("W-DENSITY", f"{text}: not a plausible density of a solid", kind.title, hint)
 
 
 def part_key(record: Mapping[str, str]) -> PartKey:
@@ -279,20 +283,20 @@ def part_key(record: Mapping[str, str]) -> PartKey:
     return StudioKey.of(record), record["partId"]
 
 
-def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
-    """Returns the weight of every part in the bundle's replies.
+def read_masses(bundle: OnshapeBundle) -> dict[PartKey, PartMass]:
+    """Returns the mass properties of every part in the bundle's replies.
 
     A part without a material has mass 0 in a reply, but a volume.
     """
-    weights: dict[PartKey, Weight] = {}
+    masses: dict[PartKey, PartMass] = {}
     for studio in bundle.studios:
         for digest in studio.mass:
             with protocol_errors("reply with the mass properties", f"part studio {studio.key.element}"):
                 bodies = orjson.loads(bundle.body(digest))["bodies"]
                 for part in sorted(set(bodies) - {"-all-"}):
                     volume = _nominal(bodies[part].get("volume"))
-                    weights[studio.key, part] = Weight(_reply_inertial(bodies[part]), volume)
-    return weights
+                    masses[studio.key, part] = PartMass(_reply_inertial(bodies[part]), volume)
+    return masses
 
 
 def _reply_inertial(body: Mapping[str, Any]) -> Inertial:
@@ -300,8 +304,8 @@ def _reply_inertial(body: Mapping[str, Any]) -> Inertial:
     if mass == 0:
         return ZERO
     centroid = numbers(body["centroid"][:3], 3)
-    tensor = numbers(body["inertia"][:9], 9).reshape(3, 3)
-    return Inertial(mass, frozen(centroid), frozen((tensor + tensor.T) / 2))
+    inertia = numbers(body["inertia"][:9], 9).reshape(3, 3)
+    return Inertial(mass, frozen(centroid), frozen((inertia + inertia.T) / 2))
 
 
 def _nominal(values: object) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Path
 from linkwright.stages.graph.onshape.mass.mass_estimate import shapes_of
-from linkwright.stages.graph.onshape.mass.part_mass import SHEET, PartKey, Weight, part_key, read_masses
+from linkwright.stages.graph.onshape.mass.part_mass import SHEET, PartKey, PartMass, part_key, read_masses
 from linkwright.stages.robot.bundle import OnshapeBundle
 from linkwright.stages.robot.dynamics.inertia import merged, moved, scaled
 from linkwright.stages.robot.model.robot import Array, Inertial
@@ -51,18 +51,18 @@ class PartSolids:
         return parts_below
 
     @cached_property
-    def _masses(self) -> dict[PartKey, Weight]:
+    def _masses(self) -> dict[PartKey, PartMass]:
         return read_masses(self.bundle)
 
     def _part_body(self, path: Path) -> Inertial | None:
         """Returns a part as a body of 1 kg, in the world's frame; None if it has neither mass properties nor
         triangles."""
         key = part_key(self.assembly.occurrences[path].record)
-        weight = self._masses.get(key)
-        if weight and weight.inertial.mass > 0:
-            body = scaled(weight.inertial, 1.0)
+        part_mass = self._masses.get(key)
+        if part_mass and part_mass.inertial.mass > 0:
+            body = scaled(part_mass.inertial, 1.0)
         else:
-            volume: float | None = weight.volume if weight else 0.0
+            volume: float | None = part_mass.volume if part_mass else 0.0
             if self.assembly.body_types.get(key) == SHEET:
                 # As `shape_of` takes it.
                 volume = None

@@ -31,6 +31,9 @@ robots with some thousands only a part of the joints is swept."""
 MIN_STEPS = 4
 """Smallest number of steps over a joint's range."""
 
+BodyPair = tuple[int, int]
+"""The indices of two bodies, the smaller first."""
+
 MIN_DEPTH = 5e-4
 """Depth [m] below which links that overlap only touch."""
 
@@ -42,7 +45,7 @@ HEADER = ("joint", "link", "other link", "from, rad or m", "deepest at, rad or m
 
 
 @dataclass(slots=True)
-class Meeting:
+class LinkCollision:
     """The values of a joint at which two links collide."""
 
     first: float
@@ -53,6 +56,10 @@ class Meeting:
 
     depth: float
     """The depth [m] of the deepest overlap."""
+
+
+CollisionsByEnd = dict[tuple[BodyPair, float], LinkCollision]
+"""(pair of bodies, end of the joint's range [rad or m]) → their collision on the way to that end."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -67,41 +74,46 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     mujoco.mj_collision(model, data)
     at_home = _contacts(model, data)
     solver = EqualitySolver(model)
-    rows, findings, poses, swept = [], [], 0, swept_joints(model, start)
-    joints, steps = _within_reason(swept, model.nbody)
+    swept = swept_joints(model, start)
+    rows: list[tuple[str | float, ...]] = []
+    findings: list[tuple[float, Finding]] = []
+    poses = 0
+    joints, steps = _joints_and_steps(swept, model.nbody)
     for joint in joints:
-        meetings, tried = _swept(model, data, solver, start, joint, set(at_home), steps)
-        poses += tried
-        name = model.joint(joint).name
-        for (pair, _), meeting in sorted(meetings.items()):
-            links = [model.body(body).name for body in pair]
-            rows.append(
-                (
-                    name,
-                    *links,
-                    round(meeting.first, 4),
-                    round(meeting.deepest, 4),
-                    round(1e3 * meeting.depth, 3),
-                )
-            )
-            unit = "rad" if model.jnt_type[joint] == HINGE else "m"
-            text = (
-                f"{links[0]} and {links[1]} collide when {name} is at {meeting.first:.3g} {unit}, by "
-                f"{1e3 * meeting.depth:.2g} mm at {meeting.deepest:.3g}"
-            )
-            findings.append((-meeting.depth, Finding(named("joint", name), "range", text)))
+        collisions, pose_count = _sweep(model, data, solver, start, joint, set(at_home), steps)
+        poses += pose_count
+        for (pair, _), collision in sorted(collisions.items()):
+            rows.append(_row(model, joint, pair, collision))
+            findings.append((-collision.depth, _finding(model, joint, pair, collision)))
     if not joints:
         return
-    collisions = tuple(finding for _, finding in sorted(findings, key=lambda row: row[0]))
+    deepest_first = tuple(finding for _, finding in sorted(findings, key=lambda row: row[0]))
     joints_swept = count(len(joints), "joint") + (f" of {len(swept)}" if len(swept) > len(joints) else "")
     detail = f"{joints_swept} over its range, {poses} poses: no links run into each other"
-    if collisions:
-        detail = f"{count(len(collisions), 'collision')} of links over the ranges of {joints_swept}"
-    result = compiled.within("reach", float(len(collisions)), 0.0, detail, collisions, "warning")
-    yield replace(result, table=Table(HEADER, tuple(rows)) if rows else None)
+    if deepest_first:
+        detail = f"{count(len(deepest_first), 'collision')} of links over the ranges of {joints_swept}"
+    summary = compiled.within("reach", float(len(deepest_first)), 0.0, detail, deepest_first, "warning")
+    yield replace(summary, table=Table(HEADER, tuple(rows)) if rows else None)
 
 
-def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
+def _row(model: Any, joint: int, pair: BodyPair, collision: LinkCollision) -> tuple[str | float, ...]:
+    """Returns a row of the table (see `HEADER`)."""
+    values = round(collision.first, 4), round(collision.deepest, 4), round(1e3 * collision.depth, 3)
+    return (model.joint(joint).name, *(model.body(body).name for body in pair), *values)
+
+
+def _finding(model: Any, joint: int, pair: BodyPair, collision: LinkCollision) -> Finding:
+    first, second = (model.body(body).name for body in pair)
+    name = model.joint(joint).name
+    unit = "rad" if model.jnt_type[joint] == HINGE else "m"
+    message = (
+        f"{first} and {second} collide when {name} is at {collision.first:.3g} {unit}, by "
+        f"{1e3 * collision.depth:.2g} mm at {collision.deepest:.3g}"
+    )
+    return Finding(named("joint", name), "range", message)
+
+
+def _joints_and_steps(joints: list[int], bodies: int) -> tuple[list[int], int]:
     """Returns the joints to sweep and the number of steps for each, as `MAX_BODY_POSES` allows: of thousands
     of joints, an even sample."""
     poses = max(MIN_STEPS, MAX_BODY_POSES // bodies)
@@ -109,40 +121,42 @@ def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
     return joints[:: math.ceil(len(joints) * steps / poses) or 1], steps
 
 
-def _swept(
+def _sweep(
     model: Any,
     data: Any,
     solver: EqualitySolver,
     start: Array,
     joint: int,
-    ignored: set[tuple[int, int]],
+    ignored: set[BodyPair],
     steps: int,
-) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
+) -> tuple[CollisionsByEnd, int]:
     """Sweeps a joint from its value in the pose `start` (nq,), whose equalities are closed, to the low end
     and to the high end of its range. Returns the collisions by pair of bodies and end of the range, and the
-    number of poses tried."""
-    meetings: dict[tuple[tuple[int, int], float], Meeting] = {}
+    number of poses pose_count."""
+    collisions: CollisionsByEnd = {}
     value = start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
-    step, tried = max(high - low, 1e-12) / steps, 0
+    step = max(high - low, 1e-12) / steps
+    pose_count = 0
     for end in (low, high):
         pose = start
         # Rounding must not add a step.
-        for at in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:
-            next_pose = solver.solve(joint, float(at), pose)
+        for joint_value in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:
+            next_pose = solver.solve(joint, float(joint_value), pose)
             if next_pose is None:
                 break
-            pose, tried = next_pose, tried + 1
+            pose, pose_count = next_pose, pose_count + 1
             data.qpos[:] = pose
             mujoco.mj_kinematics(model, data)
             mujoco.mj_collision(model, data)
             for pair, depth in _contacts(model, data).items():
                 if pair in ignored:
                     continue
-                meeting = meetings.setdefault((pair, float(end)), Meeting(float(at), float(at), depth))
-                if depth > meeting.depth:
-                    meeting.depth, meeting.deepest = depth, float(at)
-    return meetings, tried
+                first = LinkCollision(float(joint_value), float(joint_value), depth)
+                collision = collisions.setdefault((pair, float(end)), first)
+                if depth > collision.depth:
+                    collision.depth, collision.deepest = depth, float(joint_value)
+    return collisions, pose_count
 
 
 def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
@@ -151,14 +165,14 @@ def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
     if model.jnt_type[joint] == HINGE:
         return max(low, value - TURN), min(high, value + TURN)
-    return (low if low > value - MAX_SLIDE_LIMIT else value), (
-        high if high < value + MAX_SLIDE_LIMIT else value
-    )
+    low = low if low > value - MAX_SLIDE_LIMIT else value
+    high = high if high < value + MAX_SLIDE_LIMIT else value
+    return low, high
 
 
-def _contacts(model: Any, data: Any) -> dict[tuple[int, int], float]:
+def _contacts(model: Any, data: Any) -> dict[BodyPair, float]:
     """Maps the pairs of bodies that overlap to their depth [m]."""
-    depths: dict[tuple[int, int], float] = {}
+    depths: dict[BodyPair, float] = {}
     contacts = data.contact
     overlaps = np.flatnonzero(contacts.dist < -MIN_DEPTH)
     bodies = np.sort(model.geom_bodyid[contacts.geom[overlaps]], axis=1)

@@ -35,7 +35,7 @@ def _shaped_inertial(model: Any, body: int) -> ShapedInertial | None:
         moves=bool(model.body_weldid[body]),
         places={
             "inertia": (element, "inertial diaginertia"),
-            "center": (element, "inertial pos"),
+            "centre": (element, "inertial pos"),
             "mass": (element, "inertial mass"),
             "shape": (element, "geom"),
         },

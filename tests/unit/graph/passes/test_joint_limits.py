@@ -9,7 +9,7 @@ import yaml
 from lxml import etree
 
 from linkwright.stages.graph.passes.added_links import with_added_links
-from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.joint_limits import with_limits_and_dynamics
 from linkwright.stages.graph.passes.limits.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
 from linkwright.stages.graph.passes.limits.placeholders import without_placeholders
 from linkwright.stages.graph.section import GraphSections
@@ -28,7 +28,7 @@ from tests.unit.graph.urdf.test_reader import link, robot_text
 def keyed(robot, **joints):
     """The robot with these keys of `joints`."""
     log = Diagnostics()
-    return with_properties(robot, GraphSections(joints=joints).joints, log), log
+    return with_limits_and_dynamics(robot, GraphSections(joints=joints).joints, log), log
 
 
 def checked(robot, keys=None):

@@ -11,7 +11,7 @@ from lxml import etree
 
 from linkwright.stages.export import export
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
-from linkwright.stages.graph.passes.limits.joint_limits import with_properties
+from linkwright.stages.graph.passes.limits.joint_limits import with_limits_and_dynamics
 from linkwright.stages.graph.passes.zero_pose import with_zero
 from linkwright.stages.graph.section import GraphSections, JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -35,7 +35,7 @@ from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_
 
 def counted(robot, zero="mate", **joints):
     keys, log = GraphSections(joints=joints).joints, Diagnostics()
-    robot = with_properties(robot, keys, log)
+    robot = with_limits_and_dynamics(robot, keys, log)
     return with_zero(robot, zero, keys, log), log
 
 
@@ -59,7 +59,7 @@ def test_limits_saved_values_and_relations_are_counted_anew(arm):
     assert elbow.limits.interval == pytest.approx((-0.7, 0.8))
     assert elbow.saved == pytest.approx(0.1)
     assert (rail.limits, rail.saved) == (Limits(None, 0.0), -0.1)
-    assert wrist.in_mate == MateValue()
+    assert wrist.mate_value == MateValue()
     (rack,) = robot.relations
     # rail = 0.1 elbow + 0.05, with elbow = 0.3 − elbow' and rail = −rail'.
     assert (rack.multiplier, rack.offset) == pytest.approx((0.1, -0.08))
@@ -73,8 +73,8 @@ def test_limits_are_in_the_mates_own_value(arm):
 def test_a_joints_own_zero_goes_before_that_of_all(arm):
     robot, _ = counted(arm, "saved", **{"*": {"invert": True}, "rail": {"zero": 0.02, "invert": False}})
     elbow, rail, _ = robot.dofs
-    assert (elbow.in_mate, elbow.saved) == (MateValue(-1, 0.2), 0.0)
-    assert (rail.in_mate, rail.saved) == (MateValue(1, 0.02), pytest.approx(0.08))
+    assert (elbow.mate_value, elbow.saved) == (MateValue(-1, 0.2), 0.0)
+    assert (rail.mate_value, rail.saved) == (MateValue(1, 0.02), pytest.approx(0.08))
 
 
 @pytest.mark.parametrize(

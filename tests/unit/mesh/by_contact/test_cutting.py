@@ -69,8 +69,10 @@ def test_near_pairs_are_those_whose_boxes_meet(seed):
             if (a, b) not in apart and (least[a] <= most[b]).all() and (least[b] <= most[a]).all():
                 expected.add((a, b, row))
     near = near_pairs(places, (low, high), 0.01, apart)
-    assert {(pair.one, pair.other, int(row)) for pair in near for row in pair.rows} == expected
-    assert [(pair.one, pair.other) for pair in near] == sorted((pair.one, pair.other) for pair in near)
+    assert {(pair.first_link, pair.second_link, int(row)) for pair in near for row in pair.rows} == expected
+    assert [(pair.first_link, pair.second_link) for pair in near] == sorted(
+        (pair.first_link, pair.second_link) for pair in near
+    )
 
 
 @given(SEEDS)

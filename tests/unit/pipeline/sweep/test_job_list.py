@@ -346,7 +346,7 @@ def test_offline_a_list_asks_nothing_and_is_pinned_when_it_is_fetched(stand, ser
     assert missing.stdout == ""
     assert missing.stderr == f"error: job 0 ({label}): nothing is fetched for this job yet\n{hint}"
     several = stand.job("--shard", "1/2", status=1, **keyless(server)).stderr
-    assert several.splitlines()[0] == "error: jobs 0, 2: nothing is fetched for them yet"
+    assert several.splitlines()[0] == "error: jobs 0, 2: nothing is fetched for these jobs yet"
     stand("jobs", "jobs.json", "--fetch")
     assert {job["pin"] for job in stand.list["jobs"]} == {f"m/{server.document.microversion}"}
     stand.job(0, **keyless(server))
@@ -367,5 +367,5 @@ def test_a_configuration_that_cannot_be_fetched_is_named_and_fails_its_jobs_alon
     assert stand("jobs", "jobs.json", "--fetch", status=1).stderr.count("error: job 2 ") == 1
     stand.job(2, status=1, **keyless(server))
     output = stand.job("--shard", "1/1", status=1, **keyless(server)).stderr
-    assert "error: jobs 2, 3: nothing is fetched for them yet" in output
+    assert "error: jobs 2, 3: nothing is fetched for these jobs yet" in output
     assert stand.jobs(status=1) == "2 done, 2 missing"

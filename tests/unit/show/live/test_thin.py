@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from linkwright.stages.show.decimate import Simplifiable
 from linkwright.stages.show.live import pack, scene
-from linkwright.stages.show.live.decimate import Thinnable, clustered, fitted
+from linkwright.stages.show.live.decimate import SimplifiableMesh, clustered, simplify_to_budget
 from linkwright.stages.show.live.pack import Buffers
 from linkwright.stages.show.live.scene import pack_of
 from linkwright.stages.show.live.triangles import STEPS, Facets, store
@@ -33,7 +33,7 @@ SAMPLING = 0.003
 
 
 def simpler(mesh, tolerance):
-    return Thinnable(mesh).simpler(tolerance)
+    return SimplifiableMesh(mesh).simpler(tolerance)
 
 
 @pytest.mark.parametrize("way", [simpler, clustered], ids=lambda way: way.__name__)
@@ -48,7 +48,7 @@ def test_simpler_mesh_is_within_its_tolerance(way, tolerance):
 
 def test_meshes_have_one_tolerance_so_small_ones_thin_first():
     large, small = facets(bumpy(4)), facets(bumpy(4, 0.005))
-    made = fitted({"large": large, "small": small}, {"large": 1, "small": 1}, 2500)
+    made = simplify_to_budget({"large": large, "small": small}, {"large": 1, "small": 1}, 2500)
     faces = {name: len(value.corners) for name, value in made.items()}
     assert 1500 < sum(faces.values()) <= 2500
     assert faces["small"] < faces["large"] / 5
@@ -57,16 +57,16 @@ def test_meshes_have_one_tolerance_so_small_ones_thin_first():
 def test_uses_count_and_loose_triangles_are_thinned():
     mesh = facets(bumpy(3))
     count = len(mesh.corners)
-    assert fitted({0: mesh}, {0: 1}, count)[0] is mesh
-    assert len(fitted({0: mesh}, {0: 3}, count)[0].corners) <= count / 3
+    assert simplify_to_budget({0: mesh}, {0: 1}, count)[0] is mesh
+    assert len(simplify_to_budget({0: mesh}, {0: 3}, count)[0].corners) <= count / 3
     rng = np.random.default_rng(0)
     loose = facets(rng.normal(size=(4000, 1, 3)) + 0.02 * rng.normal(size=(4000, 3, 3)))
-    assert 0 < len(fitted({0: loose}, {0: 1}, 800)[0].corners) <= 800
+    assert 0 < len(simplify_to_budget({0: loose}, {0: 1}, 800)[0].corners) <= 800
 
 
 def test_of_too_many_meshes_the_smallest_are_left_out():
     meshes = {index: facets(bumpy(1, 0.01 * (index + 1))) for index in range(30)}
-    made = fitted(meshes, dict.fromkeys(meshes, 1), 100)
+    made = simplify_to_budget(meshes, dict.fromkeys(meshes, 1), 100)
     faces = [len(made[index].corners) for index in meshes]
     assert 0 < sum(faces) <= 100
     assert faces == sorted(faces)
