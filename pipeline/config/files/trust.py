@@ -111,7 +111,7 @@ def compare_hydra_nodes(
         key = key_of(place)
         if key.startswith(_KEYS_SET_BY_HYDRA):
             continue
-        # An interpolation is resolved only where a file may set a value.
+        # Folders are resolved later, for each job; other settings are refused as they are.
         in_launcher_or_sweeper = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
         value = resolve(place) if key == PARAMS_KEY or in_launcher_or_sweeper else composed_value
         if _may_set(place, value, trusted_value):

@@ -67,7 +67,7 @@ class HydraNode:
         return []
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
-        """Returns those of the keys of Hydra that the command line sets."""
+        """Returns those of `keys`, which are keys of Hydra, that the command line sets."""
         # A prefix (`+`, `++`) may come before the key.
         return {key for key in keys if any(f"{key}=" in override for override in self.typed_overrides)}
 

@@ -20,7 +20,8 @@ _MERGE_DISTANCE = 1e-8
 """Distance [m] up to which points are merged: the linear precision of the CAD kernel."""
 
 _MERGE_SHARE = 1e-9
-"""The same as a share of the surface's size: numbers have about 16 digits, and earlier steps lost some."""
+"""The same distance as a share of the surface's size, for large surfaces: numbers have about 16 digits, and
+earlier steps lost some."""
 
 _MAX_MERGE_SHARE = 1e-3
 """Largest distance of merged points as a share of the size, so that even a tiny surface keeps its shape."""
@@ -84,7 +85,7 @@ class Surface:
     def is_closed(self) -> bool:
         """Tells whether every edge occurs equally often in both directions."""
         starts, ends = self.triangles.ravel(), self.triangles[:, (1, 2, 0)].ravel()
-        # Each edge is a number, made of its lower and its higher point.
+        # Each edge is a number, made of its lower and its higher index.
         point_count = np.int64(len(self.vertices))
         rises, falls = starts < ends, starts > ends
         rising_edges = starts[rises] * point_count + ends[rises]
@@ -92,7 +93,7 @@ class Surface:
         return bool(len(starts)) and np.array_equal(np.sort(rising_edges), np.sort(falling_edges))
 
     def cone_volumes(self, apex: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Returns the signed volume [m³] (m,) of the tetrahedron between each triangle and `apex` (3,)."""
+        """Returns the signed volume [m³] (m,) of the cone between each triangle and `apex` (3,)."""
         a, b, c = (self.vertices - apex)[self.triangles.T]
         volumes: npt.NDArray[np.float64] = np.einsum("ij,ij->i", a, _cross(b, c)) / 6
         return volumes

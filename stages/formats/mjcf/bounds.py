@@ -30,8 +30,10 @@ MAX_NAME_LENGTH = 1000
 """Largest number of letters of a name."""
 
 _NAME_ATTRIBUTES = ("name", "model", "prefix", "class")
+"""Attributes of any element that are names."""
 
 _COUNT_ATTRIBUTES = re.compile(r"nkey|nuser\w*|dim|actdim|nsample")
+"""Attributes of any element that `MAX_COUNT` limits."""
 
 _COPYING_TAGS = ("replicate", "composite", "flexcomp")
 """Elements that make copies; `count` has their number, or the numbers along several axes."""
@@ -40,15 +42,15 @@ _SIZE_ATTRIBUTES = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 """Element → the attributes whose product is its number of cells."""
 
 
-def require_within_limits(path: Path, texts: Iterable[Path]) -> None:
-    """Raises SourceError if the model at `path` exceeds a limit. `texts`: the XML files of the model.
+def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
+    """Raises SourceError if the model at `path` exceeds a limit. `xml_files`: all its files, with itself.
 
     Each file is judged by itself. What exceeds a limit only across several files, or in MuJoCo's own parser,
     is stopped by the limits of the guest process.
     """
-    for text in texts:
+    for xml_file in xml_files:
         try:
-            root = xml.parse(regular_files.content(text, MAX_XML_BYTES), large=True)
+            root = xml.parse(regular_files.content(xml_file, MAX_XML_BYTES), large=True)
         except (xml.Malformed, OSError, regular_files.FileTooLarge):
             continue  # MuJoCo reports that
         for violation in _violations(root):

@@ -33,10 +33,10 @@ a share of its length."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosureJoint:
-    """The joint that a closure represents, or a pair of connects that form a hinge."""
+    """The joint that a closure represents, or a hinge that two connects represent together."""
 
     closure: MjcfClosure
-    """The closure, or the first connect of a hinge."""
+    """The closure; of a hinge its first connect."""
 
     axis: Array | None = None
     """Axis of the hinge (3,), the same in both frames of the closure; None without a hinge."""
@@ -100,14 +100,14 @@ def closing_sites(closure_joints: Sequence[ClosureJoint]) -> frozenset[str]:
 
 def connections(
     named_joints: Iterable[tuple[ClosureJoint, str, str]],
-    numbers: Mapping[int, int],
+    index_of: Mapping[int, int],
     world_from_body: Mapping[int, Array],
 ) -> Iterator[Connection]:
     """Yields the joints of closures as connections: a weld is fixed, a hinge turns, a single connect is a
     ball.
 
-    `named_joints`: (joint, its name, the name of its dof). `numbers`: body of the MJCF → body of the
-    mechanism. `world_from_body`: the pose (4, 4) of each body of the MJCF.
+    `named_joints`: (joint, its name, the name of its dof). `index_of`: body of the MJCF → its index
+    among the mechanism's bodies. `world_from_body`: body of the MJCF → its pose (4, 4).
     """
     for joint, name, dof_name in named_joints:
         closure = joint.closure
@@ -120,7 +120,7 @@ def connections(
         yield Connection(
             name=name,
             type=joint_type,
-            bodies=(numbers[body_a], numbers[body_b]),
+            bodies=(index_of[body_a], index_of[body_b]),
             world_from_frames=(frozen(world_from_first), frozen(world_from_second)),
             dofs=dofs,
             residual=residual(second_from_first, pose_of_dofs),

@@ -11,7 +11,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 
 @dataclass(slots=True)
 class CopySeries:
-    """The copies of a pattern, and which joints they have got."""
+    """The copies of a pattern, and the joints that they have got so far."""
 
     pattern: Pattern
     support: Support
@@ -24,11 +24,11 @@ class CopySeries:
     """Copies that are sub-assemblies of mirror-image parts, without mates and groups of their own: they get
     those inside their seeds."""
     joint_count: int = 0
-    """Number of joints that the copies have got so far."""
+    """Number of joints of the copies."""
     copies_with_joints: set[Path] = field(default_factory=set)
-    """Copies that have got joints so far."""
+    """Copies that have such joints."""
     carried_mates: set[str] = field(default_factory=set)
-    """Titles of mates that are not repeated, since a fastened seed carries something by them; so far."""
+    """Titles of mates by which a fastened seed carries something: they are not repeated for the copies."""
 
     def counterpart(self, seed: Path, copy: Path, occurrence: Path) -> Path:
         """Returns the occurrence in `copy` that is the image of `occurrence`, which is at or below `seed`; ()
@@ -50,7 +50,7 @@ def series_by_seed(
     planes: MirrorPlanes,
     log: Diagnostics,
 ) -> dict[Path, list[CopySeries]]:
-    """Returns the series of copies of each seed. Reports W-PATTERN for copies without a seed or image,
+    """Returns the series of copies of each seed. Reports W-PATTERN for copies whose seed does not exist,
     W-PATTERN-LEVEL if mates of two assemblies hold a seed, and what `planes` reports.
 
     `rigid_assemblies`: the sub-assemblies without inner motion. `planes`: finds the images of seeds.
@@ -102,8 +102,8 @@ def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]
 def _supported_copies(
     owner: Path, support_level: Path, copies: Collection[Path], seeds: Collection[Path], search: SupportSearch
 ) -> set[Path]:
-    """Returns the copies that are supported by mates or groups of their own, which do not come from a seed.
-    Mates that only join a copy to something that it carries do not support it.
+    """Returns the copies that mates or groups of their own support. Mates that only join a copy to something
+    that it carries do not support it.
 
     `owner`: the pattern's assembly; `support_level`: the assembly whose mates support the seeds.
     """
