@@ -56,8 +56,8 @@ class SnapshotFolder:
             raise error
 
     def renew(self, subject: SnapshotSubject) -> Renewal | None:
-        """Writes the snapshot of a subject, unless it is unchanged; then returns None. Raises LinkwrightError
-        as `check` does, and OutputError if the snapshot cannot be written."""
+        """Writes the snapshot of a subject, and returns the result; None if nothing has changed. Raises
+        LinkwrightError as `check` does, and OutputError if the snapshot cannot be written."""
         new_snapshot, old_text = self._new_snapshot_and_old_text(subject)
         changes = [] if old_text is None else differences(old_text, new_snapshot.text)
         if old_text is not None and not changes:

@@ -46,7 +46,7 @@ CONTROL_LOSSES = (
     Loss(
         {"mjcf": "I-MJCF-MERGED"},
         _merged_links,
-        "links on fixed joints are merged into their parent bodies, as sites: {}",
+        "links on fixed joints are merged into the bodies above them, as sites: {}",
         "robot.json has their poses, under fused; export.mjcf.fixed_joints=keep gives each link a body",
     ),
     Loss(

@@ -276,8 +276,8 @@ class NameChangesRecord(JsonRecord[None]):
 
     @classmethod
     def from_model(cls, value: Any, **more: Any) -> "NameChangesRecord":
-        """Returns the record of the names of a format. `value`: has a mapping of all names for each field,
-        except `frames` if the format has none."""
+        """Returns the record of a format's names. `value` has the mapping of all names of each kind: `links`,
+        `joints`, and `frames` if the format has frames."""
         kinds = [kind for kind in ("links", "joints", "frames") if hasattr(value, kind)]
         return cls(**{kind: _changed_names(getattr(value, kind)) for kind in kinds})
 

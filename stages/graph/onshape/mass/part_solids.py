@@ -64,7 +64,7 @@ class PartSolids:
         else:
             volume: float | None = part_mass.volume if part_mass else 0.0
             if self.assembly.body_types.get(key) == SHEET:
-                # As `shape_of` takes it.
+                # `shape_of` takes None for a sheet.
                 volume = None
             shape = shapes_of(self.bundle, [(key, volume)]).get(key)
             if shape is None:
