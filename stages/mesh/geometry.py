@@ -175,7 +175,8 @@ def _choices_by_collider(
 
 
 def _with_form(shape: Shape, parts: Sequence[Part], limits: ShapeLimits) -> Shape:
-    """Returns the collider of these parts. The collider of a single part gets the form of its MJCF geom."""
+    """Returns a collider with the form of its part's MJCF geom; the form is plain if several `parts` share
+    the collider. A mesh of an ellipsoid also gets the ellipsoid, if all targets can collide it."""
     form = parts[0].form if len(parts) == 1 else PLAIN
     if not form.ellipsoid or "ellipsoid" in limits.without:
         return replace(shape, form=form)
