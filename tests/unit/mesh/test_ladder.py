@@ -36,7 +36,7 @@ def less(whole, *cut):
 LEGS = [solid(0.1, 0.02, 0.005, (0, 0, 0.0025)), solid(0.005, 0.02, 0.08, (-0.0475, 0, 0.04))]
 BRACKET = of_mesh(trimesh.boolean.union(LEGS, engine="manifold"))
 TUBE = of_mesh(trimesh.creation.annulus(0.02, 0.03, 0.04, sections=48))
-SHAFT = trimesh.creation.cylinder(0.02, 0.05, sections=48)
+SHAFT = trimesh.creation.cylinder(0.02, 0.05, sections=24)
 BALL = trimesh.creation.icosphere(2, 0.03)
 
 
@@ -58,7 +58,7 @@ def kinds(made):
     [
         (solid(0.12, 0.08, 0.002), "box"),
         (BALL, "sphere"),
-        (trimesh.creation.capsule(0.08, 0.01), "capsule"),
+        (trimesh.creation.capsule(0.08, 0.01, count=[16, 16]), "capsule"),
         (SHAFT, "cylinder"),
         (trimesh.convex.convex_hull([[0, 0, 0], [0.1, 0, 0], [0, 0.06, 0], [0, 0, 0.08]]), "hull"),
     ],
