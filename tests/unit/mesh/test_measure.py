@@ -32,14 +32,6 @@ def judged(part, *pieces):
     return measure(Target.of(part), pieces)
 
 
-def assert_equals(part, *pieces, by="boolean"):
-    """The pieces have no error at all."""
-    measures = judged(part, *pieces)
-    assert measures.by == by
-    assert (measures.extra, measures.missing) == pytest.approx((0, 0), abs=1e-6)
-    assert [getattr(measures, name) for name in DISTANCES] == pytest.approx([0] * 4, abs=NOTHING)
-
-
 OVERLAPPING = joined(box(0.1, 0.1, 0.1), box(0.1, 0.1, 0.1, at=(0.05, 0, 0)))
 HOLLOW = joined(box(1, 1, 1), box(0.8, 0.8, 0.8).flipped())
 
@@ -57,7 +49,10 @@ HOLLOW = joined(box(1, 1, 1), box(0.8, 0.8, 0.8).flipped())
     ids=["itself", "primitive", "eighths", "seam in a cavity", "overlap in a cavity", "overlapping solids"],
 )
 def test_pieces_that_are_the_part_have_no_error(part, pieces):
-    assert_equals(part, *pieces)
+    measures = judged(part, *pieces)
+    assert measures.by == "boolean"
+    assert (measures.extra, measures.missing) == pytest.approx((0, 0), abs=1e-6)
+    assert [getattr(measures, name) for name in DISTANCES] == pytest.approx([0] * 4, abs=NOTHING)
 
 
 @pytest.mark.parametrize("primitive", [False, True])

@@ -21,6 +21,7 @@ from tests.support.building import plan_of, shaped, write
 from tests.support.checked import checked
 from tests.support.fidelity import mesh_of
 from tests.support.kit import hinged, two_arms
+from tests.support.pinocchio import pin
 
 CUBE = convex_hull(np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float))
 RED = (1.0, 0.0, 0.0, 1.0)
@@ -192,6 +193,10 @@ def test_meshes_of_the_same_content_are_one_file(kit, tmp_path, form):
     assert model.nmesh == len(geometry.files)
     urdf = parse((tmp_path / "robot.urdf").read_bytes())
     assert {f"assets/{name}" for name in geometry.files} == set(urdf.xpath("//mesh/@filename"))
+    path = str(tmp_path / "robot.urdf")
+    for kind in (pin.VISUAL, pin.COLLISION):
+        shapes = pin.buildGeomFromUrdf(pin.buildModelFromUrdf(path), path, kind, package_dirs=[str(tmp_path)])
+        assert shapes.ngeoms == len(robot.links)
     assert [check for check in checked(tmp_path, robot, plan) if check.fails] == []
     # The corners of each link's bar, in the frame of its body, in closed form.
     half = np.array([0.02, 0.03, 0.1]) / 2

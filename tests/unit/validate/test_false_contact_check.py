@@ -45,14 +45,10 @@ def text(seen, solid, more=""):
     </body></worldbody>{more}</mujoco>"""
 
 
-def made_by(maker):
-    return tuple(
-        ColliderFigures(link, (), maker, "hull", 1, 8, True, None, None) for link in ("slider", "post")
-    )
-
-
 def judged(mjcf, *excludes, maker="ladder"):
-    geometry = Geometry((), {}, self_contact=True, excludes=excludes, colliders=made_by(maker))
+    figures = ColliderFigures("slider", (), maker, "hull", 1, 8, True, None, None)
+    both = figures, replace(figures, link="post")
+    geometry = Geometry((), {}, self_contact=True, excludes=excludes, colliders=both)
     (check,) = false_contact.check(compiled_of(mjcf, ROBOT, geometry))
     return check
 

@@ -72,8 +72,8 @@ def guest_like(monkeypatch):
     return stand_in
 
 
-def preview(cache, files, digests, kind):
-    return room.begun(cache, files, digests, kind).result()
+def preview(cache, files=FILES, kind="png"):
+    return room.begun(cache, files, {}, kind).result()
 
 
 @pytest.fixture
@@ -195,25 +195,25 @@ def test_model_that_does_not_compile_is_reported(text):
 
 
 def test_picture_is_made_once_for_the_same_files(cache, guest_like):
-    first = preview(cache, FILES, {}, "png")
+    first = preview(cache)
     assert first.files == {PICTURE: b"picture"}
     assert (first.small, first.path, first.diagnostics) == (b"small", PICTURE, ())
-    assert preview(cache, {**FILES, "graph.svg": b"new"}, {}, "png") == first
+    assert preview(cache, {**FILES, "graph.svg": b"new"}) == first
     assert guest_like.call_count == 1
-    preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.3", b"0.4")}, {}, "png")
+    preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.3", b"0.4")})
     assert guest_like.call_count == 2
 
 
 def test_edit_that_the_look_does_not_show_draws_nothing(cache, guest_like):
-    first = preview(cache, FILES, {}, "png")
+    first = preview(cache)
     seen = ARM.replace(b"<geom", b'<geom contype="0" conaffinity="0"')
     hidden = seen.replace(b'axis="0 1 0"', b'axis="0 1 0" range="-1 1" damping="3"').replace(
         b"<joint", b'<geom size="9" group="3"/><inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/><joint'
     )
-    assert preview(cache, {**FILES, "arm.xml": ARM + b"<!-- -->"}, {}, "png") == first
+    assert preview(cache, {**FILES, "arm.xml": ARM + b"<!-- -->"}) == first
     assert guest_like.call_count == 1
-    assert preview(cache, {**FILES, "arm.xml": hidden}, {}, "png") == first
-    assert preview(cache, {**FILES, "arm.xml": seen}, {}, "png") == first
+    assert preview(cache, {**FILES, "arm.xml": hidden}) == first
+    assert preview(cache, {**FILES, "arm.xml": seen}) == first
     assert guest_like.call_count == 1
     camera = b'<worldbody><camera name="overview" pos="3 0 0" xyaxes="0 1 0 0 0 1"/>'
     for path, old, new in (
@@ -222,7 +222,7 @@ def test_edit_that_the_look_does_not_show_draws_nothing(cache, guest_like):
         ("scene.xml", b"<worldbody>", camera),
     ):
         count = guest_like.call_count
-        preview(cache, {**FILES, path: FILES[path].replace(old, new)}, {}, "png")
+        preview(cache, {**FILES, path: FILES[path].replace(old, new)})
         assert guest_like.call_count == count + 1, path
 
 
@@ -255,7 +255,7 @@ def test_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
 
 
 def test_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, guest_like):
-    made = preview(cache, FILES, {}, "png")
+    made = preview(cache)
     code = (
         "import sys\nfrom pathlib import Path\nfrom linkwright.pipeline.show import preview as room\n"
         "from linkwright.pipeline.caching.actions import Cache\n"
@@ -273,23 +273,22 @@ def test_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, guest_lik
 def test_refusal_is_kept_and_an_accident_is_tried_again(cache, guest_like):
     guest_like.return_value = {REFUSED: b'{"why": "MuJoCo says no"}'}
     for _ in range(2):
-        outcome = preview(cache, FILES, {}, "png")
+        outcome = preview(cache)
         assert (outcome.files, outcome.path) == ({}, "")
         messages = [(diagnostic.code, diagnostic.message) for diagnostic in outcome.diagnostics]
         assert messages == [("I-PREVIEW", "no preview of the robot: MuJoCo says no")]
     assert guest_like.call_count == 1
     guest_like.return_value = {ENDED: b'{"why": "drawing it crashed"}'}
     for _ in range(2):
-        (diagnostic,) = preview(
-            cache, {**FILES, "arm.xml": ARM.replace(b"0.9", b"0.8")}, {}, "png"
-        ).diagnostics
+        painted = {**FILES, "arm.xml": ARM.replace(b"0.9", b"0.8")}
+        (diagnostic,) = preview(cache, painted).diagnostics
         assert "crashed" in diagnostic.message
     assert guest_like.call_count == 3
 
 
 def test_nothing_is_drawn_unless_requested_and_possible(cache, guest_like):
-    assert preview(cache, FILES, {}, "none") == NONE
-    (diagnostic,) = preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").diagnostics
+    assert preview(cache, kind="none") == NONE
+    (diagnostic,) = preview(cache, {"arm.sdf": b"", "robot.json": b""}).diagnostics
     assert "none of the exported files" in diagnostic.message
     assert "export=" in diagnostic.hint
     assert guest_like.call_count == 0
