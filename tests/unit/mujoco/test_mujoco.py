@@ -93,7 +93,7 @@ FILES = {
 """Paths count from the folder of the first file."""
 
 
-def bodies(model: mujoco.MjModel) -> list[str]:
+def bodies(model):
     return [model.body(index).name for index in range(1, model.nbody)]
 
 

@@ -26,7 +26,7 @@ while True: pass
 """
 
 
-def limited(seconds: float = 60, memory: int = 1 << 30, reply: int = 10, **more: float) -> Bounds:
+def limited(seconds=60, memory=1 << 30, reply=10, **more):
     return Bounds(seconds, memory, reply, **more)
 
 
@@ -35,7 +35,7 @@ def run_guest(tmp_path, monkeypatch):
     """Has a guest run the lines of a function that gets `request` and returns the answer."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def ask(lines: str, request: bytes = b"", bounds: Bounds = ENOUGH, **environ: str) -> bytes:
+    def ask(lines, request=b"", bounds=ENOUGH, **environ):
         body = "\n".join(f"    {line}" for line in lines.splitlines())
         (tmp_path / "visitor.py").write_text(f"def answer(request):\n{body}\n")
         return guest.ask("visitor", request, bounds, environ)
@@ -43,7 +43,7 @@ def run_guest(tmp_path, monkeypatch):
     return ask
 
 
-def gone(place: Path) -> bool:
+def gone(place):
     """Whether the processes whose numbers are in a file have ended, in time."""
     return processes.gone(map(int, place.read_text().split()))
 
@@ -176,7 +176,7 @@ def test_time_is_that_of_each_request(run_guest, monkeypatch):
 def test_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monkeypatch):
     place = tmp_path / "pids"
 
-    def interrupted(process: int) -> int:
+    def interrupted(process):
         if place.exists() and len(place.read_text().split()) == 2:
             raise KeyboardInterrupt
         return 0

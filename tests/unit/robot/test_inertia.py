@@ -24,13 +24,13 @@ quats = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(v * v for v in q
 positions = st.tuples(*[st.floats(-2, 2)] * 3)
 
 
-def box(mass: float, size: tuple[float, float, float], com: tuple[float, float, float]) -> Inertial:
+def box(mass, size, com):
     x, y, z = size
     moments = mass / 12 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
     return Inertial(mass, frozen(com), frozen(np.diag(moments)))
 
 
-def pose(quat: tuple[float, ...], position: tuple[float, ...]) -> np.ndarray:
+def pose(quat, position):
     out = np.eye(4)
     out[:3, :3] = Rotation.from_quat(np.array(quat)).as_matrix()
     out[:3, 3] = position
@@ -48,7 +48,7 @@ def test_kinetic_energy_of_the_merged_body_is_the_sum(bodies):
     whole = merged(placed)
     omega, velocity = np.array([0.3, -1.2, 0.7]), np.array([1.0, 0.4, -0.2])
 
-    def energy(body: Inertial) -> float:
+    def energy(body):
         at_com = velocity + np.cross(omega, body.com)
         return 0.5 * (body.mass * at_com @ at_com + omega @ body.inertia @ omega)
 
@@ -77,7 +77,7 @@ def test_massless_parts_change_nothing():
     assert merged([ghost]).mass == 0.0
 
 
-def same(first: Inertial, other: Inertial, scale: float, rel: float = 1e-12):
+def same(first, other, scale, rel=1e-12):
     assert first.mass == pytest.approx(other.mass, rel=rel)
     assert np.abs(first.com - other.com).max() < rel * scale
     assert np.abs(first.inertia - other.inertia).max() < rel * other.mass * scale**2

@@ -28,13 +28,13 @@ HUGE = 1 << 42
 
 @pytest.fixture(autouse=True)
 def _no_guest(monkeypatch):
-    def never(*_: object) -> bytes:
+    def never(*_):
         raise AssertionError("a guest was started")
 
     monkeypatch.setattr(guest, "ask", never)
 
 
-def made(kind: str, folder: Path, suffix: str = ".stl") -> Path:
+def made(kind, folder, suffix=".stl"):
     """Something of a kind that is not to be read."""
     path = folder / f"x{suffix}"
     if kind == "pipe":
@@ -54,11 +54,11 @@ KINDS = ["pipe", "socket", "device"]
 SECTIONS = [UrdfSourceSection, MjcfSourceSection, BundleSourceSection]
 
 
-def plan_of(source) -> Plan:
+def plan_of(source):
     return Plan.model_validate({"name": "r", "source": source})
 
 
-def urdf(*meshes: str) -> str:
+def urdf(*meshes):
     shapes = (f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in meshes)
     return f'<robot name="r"><link name="a">{"".join(shapes)}</link></robot>'
 

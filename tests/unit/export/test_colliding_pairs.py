@@ -1,4 +1,4 @@
-"""Geoms that do not collide, in MuJoCo: whatever the excludes, it has all other contacts."""
+"""Colliders that do not collide: whatever the excludes, MuJoCo and Gazebo have all other contacts."""
 
 import itertools
 from dataclasses import replace
@@ -8,46 +8,52 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters
+from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.contact.left_out import LeftOut
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.validate.read.sdf import check_file
 from tests.support.building import solid, write
 from tests.support.exports import compiled, exported, messages_of
 from tests.support.robots import joint, robot_with
+from tests.support.sdf import Sdf
 from tests.support.states import state
 from tests.support.touching import ball, geoms_in_mujoco
 
 
-def robot_of(counts, fixed=True):
+def robot_of(counts, excludes=(), kind="revolute", **more):
     """A base with so many links on it, each of so many balls, all in one place."""
-    shapes = {"base": (ball(5.0),)} | {
-        f"l{index}": (ball(5.0),) * count for index, count in enumerate(counts)
-    }
-    robot = robot_with(
-        [joint("revolute", "base", f"l{n}") for n in range(len(counts))], shapes=shapes, fixed=fixed
+    balls = {f"l{index}": (ball(5.0),) * count for index, count in enumerate(counts)}
+    rows = [joint(kind, "base", name) for name in balls]
+    robot = robot_with(rows, shapes={"base": (ball(5.0),), **balls}, **more)
+    return robot, colliders(robot, excludes)
+
+
+def colliders(robot, excludes=()):
+    shapes = tuple(shape for shape in solid(robot).shapes if shape.role == "collision")
+    return Geometry(shapes, {}, self_contact=True, excludes=tuple(excludes))
+
+
+def wanted(robot, geometry, is_left_out):
+    """The pairs of shapes that collide; `is_left_out`: whether the engine leaves out two links by itself."""
+    excludes, pairs = (
+        {(exclude.link_a, exclude.link_b): exclude.geoms for exclude in geometry.excludes},
+        set(),
     )
-    return robot, colliders(robot)
-
-
-def colliders(robot):
-    return [shape for shape in solid(robot).shapes if shape.role == "collision"]
-
-
-def every_pair(robot, geometry):
-    """The pairs of shapes that collide, one by one."""
-    left_out = LeftOut(robot)
-    excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
-    pairs = set()
     for first, other in itertools.combinations([link.name for link in robot.links], 2):
-        if left_out.contains(first, other):
-            continue
-        exclude = excludes.get((first, other))
         sizes = [range(len(geometry.of(link, "collision"))) for link in (first, other)]
-        for i, j in itertools.product(*sizes):
-            if exclude is None or (exclude.geoms and (i, j) not in exclude.geoms):
-                pairs.add(((first, i), (other, j)))
+        for pair in itertools.product(*sizes):
+            geoms = excludes.get((first, other))
+            if (geoms is None or (geoms and pair not in geoms)) and not is_left_out(first, other):
+                pairs.add(frozenset(zip((first, other), pair, strict=True)))
     return pairs
+
+
+def holds_in_mujoco(robot, geometry):
+    """Whether the links of the compiled model collide as they must."""
+    met = geoms_in_mujoco(compiled(exported(robot, geometry)), robot, home(robot))
+    return {frozenset(pair) for pair in met} == wanted(robot, geometry, LeftOut(robot).contains)
 
 
 def random_excludes(rng, counts):
@@ -63,12 +69,10 @@ def random_excludes(rng, counts):
 def test_any_excludes_of_geoms_are_kept_exactly(seed):
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 6, rng.integers(2, 6)).tolist()
-    robot, shapes = robot_of(counts, fixed=bool(rng.integers(2)))
-    excludes = tuple(random_excludes(rng, counts))
-    geometry = Geometry(tuple(shapes), {}, (), True, excludes)
+    fixed = bool(rng.integers(2))
+    robot, geometry = robot_of(counts, random_excludes(rng, counts), fixed=fixed)
     assert not filters(robot, geometry).wide
-    model = compiled(exported(robot, geometry))
-    assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
+    assert holds_in_mujoco(robot, geometry)
 
 
 RUBBER = ContactProperties((1.5, 0.01, 0.002), 4, (0.01, 0.8), (0.8, 0.9, 0.002, 0.4, 2.0), 0.002)
@@ -95,12 +99,12 @@ def contact_properties(model):
 )
 def test_geoms_that_still_collide_do_so_as_without_an_exclude(first, other):
     """MuJoCo's own mixture of the properties of two geoms is the oracle, and of their margins the sum."""
-    robot, shapes = robot_of([2, 2])
+    robot, geometry = robot_of([2, 2])
     contacts = {"base": None, "l0": first, "l1": other}
-    shapes = [replace(shape, contact=contacts[shape.link]) for shape in shapes]
+    shapes = tuple(replace(shape, contact=contacts[shape.link]) for shape in geometry.shapes)
     properties_of = []
     for excludes in ((), (Exclude("l0", "l1", "Always", 0.0, ((0, 0),)),)):
-        model = compiled(exported(robot, Geometry(tuple(shapes), {}, (), True, excludes)))
+        model = compiled(exported(robot, replace(geometry, shapes=shapes, excludes=excludes)))
         assert model.npair == 3 * len(excludes)
         properties_of.append(contact_properties(model))
     free, paired = properties_of
@@ -120,8 +124,8 @@ def test_two_copies_in_one_scene_collide_with_each_other(seed):
     """Each geom of the one with each of the other, whatever each copy excludes within itself."""
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 4, 3).tolist()
-    robot, shapes = robot_of(counts, fixed=False)
-    outcome = exported(robot, Geometry(tuple(shapes), {}, (), True, tuple(random_excludes(rng, counts))))
+    robot, geometry = robot_of(counts, random_excludes(rng, counts), fixed=False)
+    outcome = exported(robot, geometry)
     single = geoms_in_mujoco(compiled(outcome), robot, home(robot))
     spec = mujoco.MjSpec()
     for prefix in ("a_", "b_"):
@@ -149,8 +153,8 @@ def beside_the_world(number):
     names = [f"l{index}" for index in range(number)]
     shapes = {"world": (ball(5.0),) * number} | dict.fromkeys(names, (ball(5.0),))
     robot = robot_with([joint("revolute", "world", name) for name in names], root="world", shapes=shapes)
-    excludes = tuple(Exclude("world", name, "Always", 0.0, ((n, 0),)) for n, name in enumerate(names))
-    return robot, Geometry(tuple(colliders(robot)), {}, (), True, excludes)
+    excludes = [Exclude("world", name, "Always", 0.0, ((n, 0),)) for n, name in enumerate(names)]
+    return robot, colliders(robot, excludes)
 
 
 def test_geoms_of_the_world_are_told_apart_by_bits():
@@ -158,8 +162,7 @@ def test_geoms_of_the_world_are_told_apart_by_bits():
     masks = filters(robot, geometry)
     assert not masks.pairs
     assert len(set(masks.bits.values())) == 4
-    model = compiled(exported(robot, geometry))
-    assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
+    assert holds_in_mujoco(robot, geometry)
 
 
 @pytest.mark.slow
@@ -178,7 +181,7 @@ def test_ground_touches_links_that_the_world_excludes(world, tmp_path):
     """A root called `world` is MuJoCo's worldbody, in which the ground is too."""
     shapes = {"world": (ball(5.0),) * world, "arm": (ball(5.0),) * 2}
     robot = robot_with([joint("revolute", "world", "arm")], root="world", shapes=shapes)
-    geometry = Geometry(tuple(colliders(robot)), {}, (), True, (Exclude("world", "arm", "User", 0.0),))
+    geometry = colliders(robot, [Exclude("world", "arm", "User", 0.0)])
     assert filters(robot, geometry).pairs == ()
     write(robot, tmp_path, geometry=geometry)
     met = met_in(mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml")))
@@ -206,3 +209,116 @@ def test_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     low = spec.worldbody.add_geom(name="low", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     low.contype, low.conaffinity = 2, 2
     assert not [pair for pair in met_in(spec.compile()) if "low" in pair]
+
+
+DEFAULT = 0xFF
+"""The mask of a collider that has none in the file (sdformat, `sdf::Contact`)."""
+
+
+def sdf_and_losses(robot, geometry):
+    made = exported(robot, geometry, export={"sdf": {}})
+    return made.files["robot.sdf"], messages_of(made, "I-SDF-SELF")
+
+
+def masks(text):
+    by_collider = {}
+    for name, node in Sdf(text).links.items():
+        for number, shape in enumerate(node.findall("collision")):
+            mask = shape.findtext("surface/contact/collide_bitmask")
+            by_collider[name, number] = DEFAULT if mask is None else int(mask)
+    return by_collider
+
+
+def colliding(text):
+    """The pairs of colliders that Gazebo lets collide."""
+    sdf = Sdf(text)
+    joined = {frozenset((joint.findtext("parent"), joint.findtext("child"))) for joint in sdf.joints.values()}
+    if sdf.top.findtext("self_collide") != "true":
+        return set()
+    return {
+        frozenset((first, other))
+        for (first, mask), (other, other_mask) in itertools.combinations(masks(text).items(), 2)
+        if first[0] != other[0] and frozenset((first[0], other[0])) not in joined and mask & other_mask
+    }
+
+
+def wanted_in_gazebo(robot, geometry):
+    joined = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
+    return wanted(robot, geometry, lambda *links: frozenset(links) in joined)
+
+
+def faults_of(folder, text, robot, geometry):
+    (folder / "robot.sdf").write_bytes(text)
+    checks = check_file(folder / "robot.sdf", Written(robot, geometry=geometry), quick=False)
+    return [finding.message for check in checks if check.fails for finding in check.findings]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_single_colliders_are_kept_apart_and_all_others_collide(seed, tmp_path):
+    random = np.random.default_rng(seed)
+    counts = random.integers(1, 4, random.integers(2, 9)).tolist()
+    excludes = [Exclude("base", "l0", "Adjacent", 0.0)]
+    for (a, first_count), (b, other) in itertools.combinations(enumerate(counts), 2):
+        if random.random() < 0.2:
+            chosen = np.argwhere(random.random((first_count, other)) < 0.4)
+            geoms = tuple((int(i), int(j)) for i, j in chosen) if len(chosen) < first_count * other else ()
+            excludes.append(Exclude(f"l{a}", f"l{b}", "Always", 0.0, geoms))
+    robot, geometry = robot_of(counts, excludes)
+    text, losses = sdf_and_losses(robot, geometry)
+    assert not losses
+    assert colliding(text) == wanted_in_gazebo(robot, geometry)
+    assert all(mask & DEFAULT for mask in masks(text).values()), "each collides with the ground"
+    assert faults_of(tmp_path, text, robot, geometry) == []
+
+
+def test_robot_without_single_pairs_has_no_masks():
+    robot, geometry = robot_of([1, 2], [Exclude("base", "l0", "Adjacent", 0.0)])
+    text, losses = sdf_and_losses(robot, geometry)
+    assert b"collide_bitmask" not in text
+    assert colliding(text) == wanted_in_gazebo(*robot_of([1, 2]))
+    assert not losses
+
+
+def test_links_beside_a_joint_of_two_dofs_have_masks():
+    """An SDF has a link between them, so Gazebo does not leave them out by itself."""
+    excludes = [Exclude("base", f"l{n}", "Adjacent", 0.0) for n in range(2)]
+    text, _ = sdf_and_losses(*robot_of([1, 1], excludes, "cylindrical"))
+    assert {tuple(sorted(name for name, _ in pair)) for pair in colliding(text)} == {("l0", "l1")}
+
+
+def test_pairs_beyond_the_bits_lose_contacts_by_name(tmp_path):
+    random = np.random.default_rng(0)
+    pairs = [pair for pair in itertools.combinations(range(24), 2) if random.random() < 0.3]
+    robot, geometry = robot_of([1] * 24, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
+    text, (loss,) = sdf_and_losses(robot, geometry)
+    missing = wanted_in_gazebo(robot, geometry) - colliding(text)
+    assert colliding(text) <= wanted_in_gazebo(robot, geometry)
+    assert missing
+    named = {frozenset(words.split(" and ")) for words in loss.partition(": ")[2].split(", ")}
+    assert named == {frozenset(name for name, _ in pair) for pair in missing}
+    assert faults_of(tmp_path, text, robot, geometry) == []
+
+
+@pytest.mark.parametrize(("number", "collides"), [(8, True), (9, False)])
+def test_links_beyond_the_low_bits_end_all_contacts(number, collides, tmp_path):
+    pairs = itertools.combinations(range(number), 2)
+    robot, geometry = robot_of([1] * 9, [Exclude(f"l{a}", f"l{b}", "User", 0.0) for a, b in pairs])
+    text, losses = sdf_and_losses(robot, geometry)
+    assert bool(colliding(text)) == collides != bool(losses)
+    assert faults_of(tmp_path, text, robot, geometry) == []
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("<collide_bitmask>1</", "<collide_bitmask>3</", "colliders of l0 and l1 collide, but must not"),
+    ("<collide_bitmask>1</", "<collide_bitmask>256</", "shares no bit with 255"),
+    ("<self_collide>true</", "<self_collide>false</", "is false, expected true"),
+    ("<collide_bitmask>2</", "<collide_bitmask>4</", "do not collide, but must"),
+])  # fmt: skip
+def test_other_masks_than_the_robots_are_found(old, new, message, tmp_path):
+    excludes = [Exclude("l0", "l1", "User", 0.0), Exclude("l0", "l2", "User", 0.0, ((0, 0),))]
+    excludes.append(Exclude("l1", "l2", "User", 0.0, ((0, 1),)))
+    robot, geometry = robot_of([1, 1, 2], excludes)
+    text, _ = sdf_and_losses(robot, geometry)
+    assert old.encode() in text, text.decode()
+    messages = faults_of(tmp_path, text.replace(old.encode(), new.encode(), 1), robot, geometry)
+    assert any(message in text for text in messages), messages
