@@ -30,7 +30,7 @@ class Mount:
     """The pose (4, 4) of the frame in its link; the identity for a link."""
 
     is_frame: bool
-    """Whether it is a frame: only then a site of the MJCF has its name."""
+    """Whether it is a frame, which the MJCF has as a site of the same name."""
 
 
 def mounts_of(robot: Robot) -> dict[str, Mount]:
