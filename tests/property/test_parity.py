@@ -26,6 +26,7 @@ from tests.fake_onshape.random_document import documents
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.drawn import any_document, each
 from tests.support.engines import Mujoco, Pinocchio
+from tests.support.exports import compiled
 from tests.support.parity import same
 from tests.support.robots import some_values
 
@@ -223,8 +224,7 @@ def holds(document, timestep):
     plan = plan_of(scene={"option": {"timestep": timestep}})
     robot = robot_of(document, plan)
     assume(robot.loops)
-    text = export(robot, NO_MESHES, plan).files["robot.xml"].decode()
-    model = mujoco.MjModel.from_xml_string(text)
+    model = compiled(export(robot, NO_MESHES, plan))
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)

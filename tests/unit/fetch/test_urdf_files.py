@@ -22,6 +22,7 @@ from linkwright.stages.robot.errors import ConfigError, SourceError
 from linkwright.stages.robot.model.geometry import NEUTRAL
 from tests.support.building import plan_of
 from tests.support.places import PROJECT
+from tests.support.textures import put
 
 SIZE = (0.1, 0.2, 0.4)
 
@@ -31,13 +32,6 @@ def block(kind="stl", **how):
     mesh = trimesh.creation.box(bounds=[(0, 0, 0), SIZE])
     data = mesh.export(file_type=kind, **how)
     return data if isinstance(data, bytes) else data.encode()
-
-
-def put(folder, **files):
-    for name, data in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
 
 
 def urdf(*names, more="", inside=""):

@@ -10,7 +10,8 @@ from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 from linkwright.stages.robot.errors import ConfigError, SourceError
 from linkwright.stages.robot.system import guest
 from tests.support.building import plan_of
-from tests.unit.fetch.test_urdf_files import block, put
+from tests.support.textures import put
+from tests.unit.fetch.test_urdf_files import block
 
 XMLNS = b'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 XACRO = (

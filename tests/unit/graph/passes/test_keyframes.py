@@ -4,14 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export import export
 from linkwright.stages.graph.passes.keyframes import with_keyframes
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Limits, Relation
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home, keyframes, saved, starting_point
-from tests.support.building import NO_MESHES, plan_of
+from tests.support.exports import compiled, exported
 from tests.support.reported import only
 from tests.support.robots import joint, robot_with
 from tests.unit.robot.test_home import four_bar
@@ -102,15 +101,9 @@ def test_a_simulation_starts_at_home_where_zero_is_outside():
     assert gap(bar.loops[0], link_poses(bar, starting_point(bar))) < 1e-9
 
 
-def compiled(robot, **keys):
-    return mujoco.MjModel.from_xml_string(
-        export(robot, NO_MESHES, plan_of(**keys)).files["robot.xml"].decode()
-    )
-
-
 def test_the_mjcf_has_each_keyframe_and_starts_within_the_limits():
     robot, _ = made(leg(0.1, 0.3, 1.0), {"kick": {"hip": 0.9}})
-    model = compiled(robot)
+    model = compiled(exported(robot))
     assert (model.qpos0.tolist(), model.jnt_range[0][0]) == ([0.3], pytest.approx(0.3))
     poses = {model.key(index).name: model.key(index).qpos.tolist() for index in range(model.nkey)}
     assert poses == {"home": [0.3], "cad": [0.1], "kick": [0.9]}
@@ -125,6 +118,6 @@ def test_the_mjcf_has_each_keyframe_and_starts_within_the_limits():
 
 def test_the_servos_of_each_keyframe_rest_there():
     robot, _ = made(leg(0.1, 0.0, 1.0), {"kick": {"hip": 0.9}})
-    model = compiled(robot, actuators={"*": {"type": "position", "kp": 10}})
+    model = compiled(exported(robot, actuators={"*": {"type": "position", "kp": 10}}))
     controls = {model.key(index).name: model.key(index).ctrl.tolist() for index in range(model.nkey)}
     assert controls == {"home": [0.1], "cad": [0.1], "kick": [0.9]}

@@ -9,7 +9,6 @@ import pytest
 import yaml
 from lxml import etree
 
-from linkwright.stages.export import export
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
 from linkwright.stages.graph.passes.limits.joint_limits import with_limits_and_dynamics
 from linkwright.stages.graph.passes.zero_pose import with_zero
@@ -25,7 +24,8 @@ from linkwright.stages.robot.motion.kinematics import (
 )
 from tests.fake_onshape import solids
 from tests.fake_onshape.frames import frame
-from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.building import plan_of, robot_of
+from tests.support.exports import compiled, exported
 from tests.support.kit import Kit
 from tests.support.mjcfs import body, model, written
 from tests.support.mjcfs import robot_of as mjcf_robot
@@ -118,25 +118,24 @@ ACTUATORS = """
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory):
+def engine(tmp_path_factory):
     """The model of an arm whose joint has these keys."""
     text = model(body("arm", '<joint name="slew" axis="0 1 0"/>'), ACTUATORS)
     path = written(tmp_path_factory.mktemp("slew"), text)
 
     @functools.cache
-    def engine(**keys):
+    def model_with(**keys):
         joints = {"slew": keys} if keys else {}
-        mjcf = export(mjcf_robot(path, joints=joints), NO_MESHES, plan_of(joints=joints)).files["robot.xml"]
-        return mujoco.MjModel.from_xml_string(mjcf.decode())
+        return compiled(exported(mjcf_robot(path, joints=joints), joints=joints))
 
-    return engine
+    return model_with
 
 
 @pytest.mark.parametrize("keys", [{"invert": True}, {"zero": 0.4}, {"zero": -0.3, "invert": True}])
-def test_a_sources_actuators_pull_as_before(keys, compiled):
+def test_a_sources_actuators_pull_as_before(keys, engine):
     """Forces at equal poses and speeds, as MuJoCo has them of both files, controls counted as told: a
     servo's as the joint's value, a damper's as it is."""
-    old, new = compiled(), compiled(**keys)
+    old, new = engine(), engine(**keys)
     sign, zero = (-1 if keys.get("invert") else 1), keys.get("zero", 0.0)
     assert old.nu == new.nu == 8
     # Which unit an actuator's control has: of its own length, of a speed or force, or of neither.
@@ -148,13 +147,13 @@ def test_a_sources_actuators_pull_as_before(keys, compiled):
         q, speed = random.uniform(-1, 1, 2)
         control, state = random.uniform(0, 1, 8), random.uniform(-0.5, 1, old.na)
         outcomes = []
-        for engine, (position, velocity, controls, states) in (
+        for form, (position, velocity, controls, states) in (
             (old, (q, speed, control, state)),
             (new, (sign * (q - zero), sign * speed, factor * (control - shift), sign * (state - zero))),
         ):
-            data = mujoco.MjData(engine)
+            data = mujoco.MjData(form)
             data.qpos[:], data.qvel[:], data.ctrl[:], data.act[:] = position, velocity, controls, states
-            mujoco.mj_forward(engine, data)
+            mujoco.mj_forward(form, data)
             outcomes.append(np.concatenate([data.qfrc_actuator, data.actuator_force, data.act_dot]))
         assert outcomes[1] == pytest.approx(sign * outcomes[0], rel=1e-9, abs=1e-9)
     ranges = np.sort(factor[:, None] * (old.actuator_ctrlrange - shift[:, None]))
@@ -311,7 +310,7 @@ def made(keys):
     kit.root.revolute("Lid", (flap, frame()), (base, frame((0, 0.1, 0))), limits=(-0.5, 0.5))
     screw = kit.root.add(kit.studio.part("Screw", solids.box(0.002, 0.002, 0.002)))
     kit.root.fasten("Screwed", (screw, frame()), (flap, frame((0, 0, 0.05))))
-    return export(robot_of(kit.document, plan_of(**keys)), NO_MESHES, plan_of(**keys))
+    return exported(robot_of(kit.document, plan_of(**keys)), **keys)
 
 
 def elements(outcome):
@@ -336,7 +335,7 @@ def test_each_key_comes_to_its_golden_and_compiles(title):
     assert elements(outcome) == GOLDEN[title]["elements"], (
         "if this is meant: python -m tests.unit.graph.passes.test_own_terms"
     )
-    model = mujoco.MjModel.from_xml_string(outcome.files["robot.xml"].decode())
+    model = compiled(outcome)
     for name in ("pinion", "rail", "lid"):
         # At its own zero a joint is where the untouched robot has that value of the mate.
         own = GOLDEN[title]["keys"].get("joints", {}).get(name, {})
