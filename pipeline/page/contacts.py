@@ -23,13 +23,13 @@ def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
 
 def _table(excludes: Sequence[Mapping[str, Any]]) -> PageTable | None:
     rows = [
-        [*row["links"], row["reason"], f"{row['depth']:.2f}", _colliders(row["colliders"])]
+        [*row["links"], row["reason"], f"{row['depth']:.2f}", _colliders_text(row["colliders"])]
         for row in excludes
     ]
     return plain_table(["link", "other link", "reason", "depth at home, mm", "colliders concerned"], rows)
 
 
-def _colliders(colliders: Sequence[Sequence[str]] | None) -> str:
+def _colliders_text(colliders: Sequence[Sequence[str]] | None) -> str:
     """Returns the text of the excluded colliders of both links. `colliders`: the names of each link's
     colliders; None for all."""
     return "all" if colliders is None else " against ".join(map(name_list, colliders))

@@ -17,12 +17,12 @@ MAX_UNFOLDED = 8
 """Largest number of informational rows that are shown unfolded."""
 
 
-def error_section(problem: Mapping[str, Any] | None) -> str:
+def error_section(error: Mapping[str, Any] | None) -> str:
     """Renders the error that ended a build, with all its problems. Returns "" if there was no error."""
-    if problem is None:
+    if error is None:
         return ""
-    problems = _table(problem.get("problems", []))
-    return rendered("error", **{"where": "", "hint": "", **problem, "problems": problems})
+    problems = _table(error.get("problems", []))
+    return rendered("error", **{"where": "", "hint": "", **error, "problems": problems})
 
 
 def diagnostics_section(problems: Sequence[Mapping[str, Any]]) -> str:

@@ -23,7 +23,7 @@ from linkwright.pipeline.show.live import ENGINE_FILE, engine_file, is_plain
 from linkwright.pipeline.sweep import summary_csv, summary_json
 from linkwright.pipeline.sweep.outcome import Outcome, planned, state_of
 from linkwright.pipeline.sweep.outcome_files import withdraw
-from linkwright.pipeline.sweep.summary_csv import TABLE
+from linkwright.pipeline.sweep.summary_csv import FILE_NAME
 from linkwright.pipeline.sweep.summary_json import SUMMARY
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Environ = Mapping[str, str]
 
 PAGE, ACCOUNT = "summary.html", "multirun.yaml"
-OWN = (SUMMARY, PAGE, TABLE, ACCOUNT, ENGINE_FILE)
+OWN = (SUMMARY, PAGE, FILE_NAME, ACCOUNT, ENGINE_FILE)
 """The files of a sweep itself: the outcomes of its jobs (as data, for people, and for spreadsheets), Hydra's
 record of the sweep, and the viewer's engine, which the pages of its jobs share."""
 
@@ -111,7 +111,7 @@ def write_summaries(outcomes: Iterable[Outcome], root: Path) -> None:
         manifest.write_shared(root, dict.fromkeys(OWN))
         replace(root / SUMMARY, summary_json.text([*earlier_runs, {**run, "jobs": jobs}]))
         with_states = [{**job, "state": state_of(job["status"], job["message"])} for job in jobs]
-        replace(root / TABLE, summary_csv.csv_content(with_states))
+        replace(root / FILE_NAME, summary_csv.csv_content(with_states))
         replace(root / PAGE, _page(root, with_states))
         file_names = [name for name in OWN if (root / name).is_file()]
         manifest.write_shared(root, {name: sha256((root / name).read_bytes()) for name in file_names})
@@ -147,6 +147,6 @@ def _in_the_way(root: Path) -> dict[str, str]:
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
     """Returns the page about the last run."""
-    linked_files = [name for name in (SUMMARY, TABLE, ACCOUNT) if (root / name).is_file()]
+    linked_files = [name for name in (SUMMARY, FILE_NAME, ACCOUNT) if (root / name).is_file()]
     title = Secrets(os.environ).blanked(root.name)
     return page(title, jobs, lambda path: (root / path).exists(), linked_files)

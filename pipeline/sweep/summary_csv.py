@@ -16,11 +16,11 @@ from linkwright.pipeline.page.figures import NAMES
 from linkwright.pipeline.page.sweep.swept import keys
 from linkwright.stages.robot.text.printable import printable_lines
 
-TABLE = "summary.csv"
+FILE_NAME = "summary.csv"
 
-JOB = ("number", "label", "state", "status", "message", "folder")
-COUNTS = ("objective", "checks_passed", "checks_failed", "checks_warned", "calls_made", "calls_saved")
-"""The columns before the swept keys (`JOB`), and after the figures (`COUNTS`)."""
+JOB_COLUMNS = ("number", "label", "state", "status", "message", "folder")
+RESULT_COLUMNS = ("objective", "checks_passed", "checks_failed", "checks_warned", "calls_made", "calls_saved")
+"""The columns before the swept keys (`JOB_COLUMNS`), and after the figures (`RESULT_COLUMNS`)."""
 
 KEY_PREFIX, FIGURE_PREFIX = "key.", "figure."
 """Prefixes of the columns of swept keys and of figures, so that no two columns have the same name."""
@@ -36,16 +36,16 @@ def csv_content(jobs: Sequence[Mapping[str, Any]]) -> bytes:
     out = io.StringIO(newline="")
     writer = csv.writer(out)
     names = [
-        *JOB,
+        *JOB_COLUMNS,
         *(KEY_PREFIX + key for key in swept_keys),
         *(FIGURE_PREFIX + name for name in figures),
-        *COUNTS,
+        *RESULT_COLUMNS,
     ]
     writer.writerow([cell_text(name) for name in names])
     for job in jobs:
         checks = job["checks"]
         row = [
-            *(job[name] for name in JOB),
+            *(job[name] for name in JOB_COLUMNS),
             *(job["overrides"].get(key, "") for key in swept_keys),
             *(job["figures"].get(name) for name in figures),
             job.get("objective"),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from linkwright.pipeline.sweep.outcome import Outcome
-from linkwright.pipeline.sweep.summary_csv import TABLE
+from linkwright.pipeline.sweep.summary_csv import FILE_NAME
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.printable import columns, sentence
 
@@ -74,7 +74,7 @@ def _remainder_line(outcomes: Sequence[Outcome], chosen: Sequence[Outcome], root
         number -= sum(outcome.state == state for outcome in chosen)
         counts += [f"{number} {_WORDS[state]}"] if number else []
     left_out_count = len(outcomes) - len(chosen)
-    return f"and {count(left_out_count, 'more job')} ({', '.join(counts)}): {root / TABLE}"
+    return f"and {count(left_out_count, 'more job')} ({', '.join(counts)}): {root / FILE_NAME}"
 
 
 _WORDS = {

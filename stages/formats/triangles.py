@@ -27,19 +27,19 @@ from linkwright.stages.robot.errors import ProtocolError
 MAGIC = b"linkwright triangles 1\n"
 """The first line of the form, with its version."""
 
-LENGTH = struct.Struct("<I")
+HEADER_LENGTH = struct.Struct("<I")
 """The format of the header's length."""
 
-_MAX_HEADER = 1 << 24
+_MAX_HEADER_BYTES = 1 << 24
 """Largest length of the header [bytes]."""
 
-POINT, TRIANGLE, COLOUR, TEXCOORDS = 24, 12, 2, 24
+POINT_BYTES, TRIANGLE_BYTES, COLOUR_BYTES, TEXCOORDS_BYTES = 24, 12, 2, 24
 """Sizes [bytes] of a point, and of a triangle in each array."""
 
 _DIGEST = re.compile(r"([0-9a-f]{64})?")
 """The SHA-256 of an image, or "" for a colour without an image."""
 
-HINT = "fetch again with source.refresh=true"
+REFRESH_HINT = "fetch again with source.refresh=true"
 """The hint for damaged triangles."""
 
 
@@ -70,29 +70,30 @@ def textures(data: bytes) -> frozenset[str]:
 def read_header(data: bytes) -> tuple[list[dict[str, Any]], int]:
     """Returns the bodies that the header lists, and the position at which the arrays start. Raises
     ProtocolError if `data` is not the compact form, or is cut short."""
-    start = len(MAGIC) + LENGTH.size
+    start = len(MAGIC) + HEADER_LENGTH.size
     try:
         if not is_compact(data) or len(data) < start:
-            msg = "it does not begin with the first line of that form"
+            msg = "their first line is not that of the form"
             raise ValueError(msg)
-        (length,) = LENGTH.unpack_from(data, len(MAGIC))
-        if length > _MAX_HEADER:
-            msg = f"its header has {length} bytes, more than {_MAX_HEADER}"
+        (length,) = HEADER_LENGTH.unpack_from(data, len(MAGIC))
+        if length > _MAX_HEADER_BYTES:
+            msg = f"their header has {length} bytes, more than {_MAX_HEADER_BYTES}"
             raise ValueError(msg)
         records = json.loads(data[start : start + length])["bodies"]
-        size = sum(_size(record) for record in records)
+        for record in records:
+            _require_valid(record)
+        size = sum(map(_size, records))
     except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
         msg = f"the triangles are not in the compact form: {error}"
-        raise ProtocolError(msg, hint=HINT) from None
+        raise ProtocolError(msg, hint=REFRESH_HINT) from None
     if len(data) != start + length + size:
         msg = f"the triangles have {len(data)} bytes, but their header announces {start + length + size}"
-        raise ProtocolError(msg, hint=HINT)
+        raise ProtocolError(msg, hint=REFRESH_HINT)
     return records, start + length
 
 
-def _size(record: dict[str, Any]) -> int:
-    """Returns the size of a body's arrays [bytes] from its record in the header. Raises ValueError for a
-    malformed record."""
+def _require_valid(record: dict[str, Any]) -> None:
+    """Raises ValueError if the record of a body in the header is malformed."""
     points, triangles = record["points"], record["triangles"]
     valid_counts = isinstance(points, int) and isinstance(triangles, int) and min(points, triangles) >= 0
     valid_palette = all(len(colour) == 4 and all(map(_is_channel, colour)) for colour in record["palette"])
@@ -101,7 +102,12 @@ def _size(record: dict[str, Any]) -> int:
     if not valid_counts or not valid_palette or not valid_textures or not isinstance(record["id"], str):
         msg = f"the record of body {record['id']!r} is malformed"
         raise ValueError(msg)
-    return int(points * POINT + triangles * (TRIANGLE + COLOUR + (TEXCOORDS if images else 0)))
+
+
+def _size(record: dict[str, Any]) -> int:
+    """Returns the size of a body's arrays [bytes] from its record in the header."""
+    triangle_bytes = TRIANGLE_BYTES + COLOUR_BYTES + (TEXCOORDS_BYTES if record.get("textures") else 0)
+    return int(record["points"] * POINT_BYTES + record["triangles"] * triangle_bytes)
 
 
 def _is_channel(value: Any) -> bool:

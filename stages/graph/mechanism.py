@@ -26,7 +26,7 @@ from linkwright.stages.robot.model.robot import (
     Sensor,
     Transmission,
 )
-from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.model.semantics import NO_SEMANTICS, RobotSemantics
 
 WORLD_LINK = "world"
 """The link of the assembly's origin, where something moves relative to it."""
@@ -148,7 +148,7 @@ class Mechanism:
     """The diagnostic for a root that nothing fixes, if the source cannot express whether it is fixed."""
     demands_limits: bool = False
     """Whether the source's format demands numbers for limits, so that some numbers mean no limit."""
-    semantics: RobotSemantics = NOTHING_MORE
+    semantics: RobotSemantics = NO_SEMANTICS
     """Content of the source's SRDF, by the names in the source."""
 
 

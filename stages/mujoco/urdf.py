@@ -16,43 +16,55 @@ def remove_package_prefixes(root: Element) -> None:
 def move_floating_joints_to_world(root: Element) -> bool:
     """Adds a link `world` above the root, and makes it the parent of the floating joints, as MuJoCo requires.
     The robot stays the same, since the root does not move. Returns whether a joint was moved."""
-    floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
-    if not floating:
+    floating_parents = root.xpath("joint[@type='floating']/parent[@link != 'world']")
+    if not floating_parents:
         return False
     world_joint = element(root, "joint", name="world_fixed", type="fixed")
     element(world_joint, "parent", link="world")
     # The parent of the floating joints is taken for the root.
-    element(world_joint, "child", link=floating[0].get("link"))
+    element(world_joint, "child", link=floating_parents[0].get("link"))
     element(root, "link", name="world")
-    for parent in floating:
+    for parent in floating_parents:
         parent.set("link", "world")
     return True
 
 
-def keep_all_links(root: Element, path_of: Callable[[str], str | None], *, visuals: bool = True) -> None:
+def prepare_for_inspection(
+    root: Element, path_of: Callable[[str], str | None], *, visuals: bool = True
+) -> None:
     """Makes MuJoCo keep all links, and turns floating joints into fixed joints: in URDFs of other tools they
     may be below any link, which MuJoCo refuses.
 
     `path_of`: returns the path of a mesh for its name in the URDF, or None to drop the mesh; `visuals`:
     whether purely visual shapes are kept.
     """
-    for visual in [] if visuals else list(root.iterfind("link/visual")):
-        visual.getparent().remove(visual)
+    if not visuals:
+        for visual in list(root.iterfind("link/visual")):
+            visual.getparent().remove(visual)
+    _set_mesh_paths(root, path_of)
+    _set_compiler(root, visuals=visuals)
+    for joint in root.iterfind("joint[@type='floating']"):
+        joint.set("type", "fixed")
+
+
+def _set_mesh_paths(root: Element, path_of: Callable[[str], str | None]) -> None:
+    """Sets the path of each mesh, and removes the shapes whose mesh has no path."""
     for mesh in list(root.iter("mesh")):
         path = path_of(mesh.get("filename", ""))
         if path is None:
             _remove_shape(mesh)
         else:
             mesh.set("filename", path)
-    # The compiler settings of the file would override these.
-    for existing in root.findall("mujoco"):
-        root.remove(existing)
+
+
+def _set_compiler(root: Element, *, visuals: bool) -> None:
+    """Replaces the file's settings of MuJoCo's compiler, which would override these."""
+    for own_settings in root.findall("mujoco"):
+        root.remove(own_settings)
     settings = element(root, "mujoco")
     # None leaves MuJoCo's default, which discards visuals.
     discarded = "false" if visuals else None
     element(settings, "compiler", strippath="false", fusestatic="false", discardvisual=discarded)
-    for joint in root.iterfind("joint[@type='floating']"):
-        joint.set("type", "fixed")
 
 
 def _remove_shape(mesh: Element) -> None:

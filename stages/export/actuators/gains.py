@@ -30,11 +30,11 @@ MIN_FREQUENCY = 2 * math.pi * 10
 MAX_DRIFT = {"turn": 0.1, "slide": 0.01}
 """Speed [rad/s, m/s] at which the weight may move a velocity servo whose target is zero."""
 
-MAX_FREQUENCY_STEP = 0.4
+MAX_STEP_PHASE = 0.4
 """Largest phase ω h [rad] of a time step h, with the natural frequency ω of a servo on its armature alone."""
 
-COUPLED_FREQUENCY_STEP = 0.2
-"""Replaces `MAX_FREQUENCY_STEP` for a servo whose dof moves other dofs, by a loop or a relation. It is
+COUPLED_STEP_PHASE = 0.2
+"""Replaces `MAX_STEP_PHASE` for a servo whose dof moves other dofs, by a loop or a relation. It is
 smaller, since MuJoCo's implicit integrators damp the speeds after they have solved the constraints: a servo
 that is fast for the time step leaves its followers behind."""
 
@@ -57,20 +57,20 @@ def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
 def max_stiffness(load: Load, timestep: float, coupled: bool) -> float:
     """Returns the largest stiffness for which an armature within `MAX_ARMATURE_SHARE` is enough. `coupled`:
     whether the dof moves other dofs, by a loop or a relation."""
-    return MAX_ARMATURE_SHARE * load.carried * (_frequency_step(coupled) / timestep) ** 2
+    return MAX_ARMATURE_SHARE * load.carried * (_max_step_phase(coupled) / timestep) ** 2
 
 
 def armature(kp: float, load: Load | None, timestep: float, coupled: bool) -> float:
     """Returns the inertia [kg m² or kg] that a servo of this stiffness needs to be stable by itself, within
     `MAX_ARMATURE_SHARE`."""
-    required = kp * (timestep / _frequency_step(coupled)) ** 2
+    required = kp * (timestep / _max_step_phase(coupled)) ** 2
     return rounded(required if load is None else min(required, MAX_ARMATURE_SHARE * load.carried), 2)
 
 
-def longest_step(kp: float, load: Load, coupled: bool) -> float:
+def longest_timestep(kp: float, load: Load, coupled: bool) -> float:
     """Returns the longest time step [s] at which a servo of this stiffness needs no armature beyond
     `MAX_ARMATURE_SHARE`."""
-    return rounded(_frequency_step(coupled) * math.sqrt(MAX_ARMATURE_SHARE * load.carried / kp), 1)
+    return rounded(_max_step_phase(coupled) * math.sqrt(MAX_ARMATURE_SHARE * load.carried / kp), 1)
 
 
 def damping(kp: float, ratio: float, inertia: float) -> float:
@@ -78,12 +78,12 @@ def damping(kp: float, ratio: float, inertia: float) -> float:
     return rounded(2.0 * ratio * math.sqrt(kp * inertia))
 
 
-def velocity_gain(kind: DofKind, load: Load, armature: float, effort: float | None) -> float:
+def velocity_gain(kind: DofKind, load: Load, set_armature: float, effort: float | None) -> float:
     """Returns the gain of a velocity servo [N m s/rad or N s/m] at the dof."""
     return rounded(
         max(
             LOAD_MARGIN * _load_within(load, effort) / MAX_DRIFT[kind],
-            (load.largest_inertia + armature) * MIN_FREQUENCY,
+            (load.largest_inertia + set_armature) * MIN_FREQUENCY,
         )
     )
 
@@ -93,9 +93,9 @@ def _load_within(load: Load, effort: float | None) -> float:
     return load.largest_force if effort is None else min(load.largest_force, effort)
 
 
-def _frequency_step(coupled: bool) -> float:
-    """Returns the largest phase [rad] of a time step (see `MAX_FREQUENCY_STEP`)."""
-    return COUPLED_FREQUENCY_STEP if coupled else MAX_FREQUENCY_STEP
+def _max_step_phase(coupled: bool) -> float:
+    """Returns the largest phase [rad] of a time step (see `MAX_STEP_PHASE`)."""
+    return COUPLED_STEP_PHASE if coupled else MAX_STEP_PHASE
 
 
 def rounded(value: float, digits: int = 3) -> float:

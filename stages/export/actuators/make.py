@@ -11,7 +11,7 @@ from linkwright.stages.export.actuators import gains
 from linkwright.stages.export.actuators.choices import ChosenActuator
 from linkwright.stages.export.actuators.holding import Holds
 from linkwright.stages.export.actuators.loads import Load
-from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, motorized_parameters
+from linkwright.stages.export.actuators.motors import Motors, OverriddenValue, parameters_with_motor
 from linkwright.stages.export.actuators.ranges import control_range, with_keyframe_targets
 from linkwright.stages.export.actuators.terms import terms_of
 from linkwright.stages.robot.dynamics.holding_control import can_hold, holding_control
@@ -77,7 +77,7 @@ class ActuatorMaker:
 
     def _actuator_of(self, dof: Dof, choice: ChosenActuator) -> Actuator:
         """Returns the actuator of a dof, with estimates for the parameters that are not set."""
-        completed = motorized_parameters(dof.name, choice, self._motors)
+        completed = parameters_with_motor(dof.name, choice, self._motors)
         parameters = completed.parameters
         self.overridden += completed.overridden
         gear = float(parameters.get("gear", 1.0))
@@ -96,7 +96,7 @@ class ActuatorMaker:
             load=None if load is None else load.largest_force,
             holds=self._holding_forces(dof, parameters.get("forcerange"), gear),
             motor=choice.motor,
-            sources=completed.sources,
+            sources=completed.origins,
         )
         actuator = self._servo(actuator, dof, parameters, stiff, armature)
         if "ctrlrange" in parameters:
@@ -148,7 +148,7 @@ class ActuatorMaker:
         softer = gains.rounded(limit) if kp is None else stiff
         if kp is not None or min(load.largest_force, largest_force) / softer > gains.SAG[dof.kind]:
             rigid = max(required, stiff)
-            step = gains.longest_step(rigid, load, coupled)
+            step = gains.longest_timestep(rigid, load, coupled)
             self.too_stiff.append(TooStiff(dof.name, softer, rigid, step))
         return softer
 

@@ -45,12 +45,12 @@ class OverriddenValue:
 
 
 @dataclass(frozen=True, slots=True)
-class MotorizedParameters:
+class ParametersWithMotor:
     """The parameters of an actuator, completed by its motor."""
 
     parameters: Mapping[str, Any]
 
-    sources: tuple[tuple[str, str], ...] = ()
+    origins: tuple[tuple[str, str], ...] = ()
     """(parameter, origin of its value) for each parameter that the motor sets."""
 
     overridden: tuple[OverriddenValue, ...] = ()
@@ -79,7 +79,7 @@ def motor_values(
                 overridden.append(OverriddenValue(dof.name, text))
     if replaced:
         text = f"motors override values of the source or of a glob of `joints`: {name_list(replaced)}"
-        log.report("I-MOTOR", text, WHERE, "values in `joints` under the joint's own name stay")
+        log.report("I-MOTOR", text, WHERE, "to keep a value, give it in `joints` under the joint's own name")
     return supplied_values, overridden
 
 
@@ -125,7 +125,7 @@ def report_overridden(
         return
     text = f"the configuration overrides values of motors: {name_list(value.text for value in overridden)}"
     by_glob = [value.dof for value in overridden if not choices[value.dof].motor_named]
-    hint = "leave the value out to have the motor's"
+    hint = "leave the value out to use the motor's"
     if by_glob:
         motor = choices[by_glob[0]].motor
         hint += (
@@ -134,7 +134,7 @@ def report_overridden(
     log.report("I-MOTOR", text, WHERE, hint)
 
 
-def _output_values(motor: MotorSection, kind: str) -> Iterator[tuple[str, float, str]]:
+def _output_values(motor: MotorSection, actuator_type: str) -> Iterator[tuple[str, float, str]]:
     """Yields (quantity of a dof, value at the motor's output, source) for each quantity that a motor has.
 
     Back-EMF counts as damping, unless the actuator is a dcmotor, for which MuJoCo computes it.
@@ -142,19 +142,19 @@ def _output_values(motor: MotorSection, kind: str) -> Iterator[tuple[str, float,
     values = motor.values
     for quantity in ("damping", "friction", "armature", "effort", "velocity"):
         parts = [quantity]
-        if quantity == "damping" and kind != "dcmotor":
+        if quantity == "damping" and actuator_type != "dcmotor":
             parts.append("back_emf")
         if quantity == "armature" and quantity not in values:
             parts = ["rotor_inertia"]
-        sources = [values[name] for name in parts if name in values]
-        if not sources:
+        used_values = [values[name] for name in parts if name in values]
+        if not used_values:
             continue
-        total = sum(value.value for value in sources)
+        total = sum(value.value for value in used_values)
         if parts == ["rotor_inertia"]:
             # The rotor's inertia is given at the rotor: reflect it through the motor's own gearbox.
             total *= values["gear"].value ** 2
-            sources.append(values["gear"])
-        yield quantity, total, "; ".join(dict.fromkeys(map(_source_text, sources)))
+            used_values.append(values["gear"])
+        yield quantity, total, "; ".join(dict.fromkeys(map(_source_text, used_values)))
 
 
 def _source_text(value: MotorValue) -> str:
@@ -167,15 +167,15 @@ def kinds_of(source: str) -> list[str]:
     return re.findall(r" \((measured|identified|datasheet)\)(?:; |\Z)", source)
 
 
-def motorized_parameters(dof: str, choice: ChosenActuator, motors: Motors) -> MotorizedParameters:
+def parameters_with_motor(dof: str, choice: ChosenActuator, motors: Motors) -> ParametersWithMotor:
     """Returns the parameters of an actuator, completed by its motor. The motor's kv is used only if its kp
     is; its torque constant and resistance only if no `nominal` takes precedence."""
     if not choice.motor:
-        return MotorizedParameters(choice.parameters)
+        return ParametersWithMotor(choice.parameters)
     values = motors[choice.motor].values
     parameters = dict(choice.parameters)
     user_set = {name for name in parameters if not choice.motor_named or choice.origin.get(name) == dof}
-    sources: dict[str, str] = {}
+    origins: dict[str, str] = {}
     overridden: list[OverriddenValue] = []
     for parameter in _motor_parameters(choice.type, values):
         if parameter.quantity not in values:
@@ -184,16 +184,16 @@ def motorized_parameters(dof: str, choice: ChosenActuator, motors: Motors) -> Mo
         set_names = [name for name in (parameter.name, *parameter.alternatives) if name in user_set]
         if not set_names:
             # Alternatives that a glob gave are dropped; those that the motor set are kept.
-            for name in set(parameter.alternatives) - sources.keys():
+            for name in set(parameter.alternatives) - origins.keys():
                 parameters.pop(name, None)
             parameters[parameter.name] = parameter.value
-            sources[parameter.name] = f"motor {choice.motor}: {_source_text(motor_value)}"
+            origins[parameter.name] = f"motor {choice.motor}: {_source_text(motor_value)}"
         elif parameters[set_names[0]] != parameter.value:
             text = (
                 f"{parameter.quantity} of {dof} ({motor_value.value:.6g}; `actuators` gives {set_names[0]})"
             )
             overridden.append(OverriddenValue(dof, text))
-    return MotorizedParameters(parameters, tuple(sources.items()), tuple(overridden))
+    return ParametersWithMotor(parameters, tuple(origins.items()), tuple(overridden))
 
 
 class _MotorParameter(NamedTuple):
@@ -207,16 +207,16 @@ class _MotorParameter(NamedTuple):
     value: Any
 
 
-def _motor_parameters(kind: str, values: Mapping[str, MotorValue]) -> Iterator[_MotorParameter]:
+def _motor_parameters(actuator_type: str, values: Mapping[str, MotorValue]) -> Iterator[_MotorParameter]:
     """Yields the parameters that motors can set on an actuator of this type, even those whose quantity this
     motor does not have."""
     numbers = {name: value.value for name, value in values.items()}
-    if kind in SERVOS:
+    if actuator_type in SERVOS:
         yield _MotorParameter("kp", "kp", (), numbers.get("kp"))
         # The motor's kv fits only the motor's kp, so a kp of the user excludes it.
         if "kp" in numbers:
             yield _MotorParameter("kv", "kv", ("dampratio", "kp"), numbers.get("kv"))
-    elif kind == "dcmotor":
+    elif actuator_type == "dcmotor":
         yield _MotorParameter(
             "torque_constant", "motorconst", ("nominal",), (numbers.get("torque_constant"),)
         )

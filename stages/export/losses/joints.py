@@ -76,7 +76,7 @@ def _sdf_zeros(case: "Case[SdfPlan]") -> Iterator[str]:
 
 def _usd_ball_starts(case: "Case[UsdPlan]") -> Iterator[str]:
     for dof in _balls(case):
-        if dof.name not in case.plan.zeros and is_turned(case.plan.home[dof.name]):
+        if dof.name not in case.plan.ball_zeros and is_turned(case.plan.home[dof.name]):
             yield dof.name
 
 
@@ -212,7 +212,7 @@ JOINTS = (
     ),
     Loss(
         {"usd": "I-USD-ZERO"},
-        lambda case: case.plan.zeros,
+        lambda case: case.plan.ball_zeros,
         "engines start ball joints at their zero, so in the USD the zero of these balls is their pose at "
         "`home`: {}",
         "robot.json has that pose (usd.zeros): values of the USD's joints count from there",

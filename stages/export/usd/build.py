@@ -2,7 +2,7 @@
 
 from linkwright.stages.export.usd.joints import added_links, usd_joints
 from linkwright.stages.export.usd.metadata import KEY, metadata
-from linkwright.stages.export.usd.model import UsdPlan, write_usd
+from linkwright.stages.export.usd.model import UsdPlan, usd_layer
 from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.export.usd.shapes import meshes_layer
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
@@ -23,7 +23,7 @@ def write(inputs: WriterInput) -> FormatFiles:
     keys = inputs.keys.export.usd or UsdFormatSection()
     model, meshes_path, picture_path = UsdFormatSection.paths(robot.name)
     meshes_file, meshes = meshes_layer(geometry, meshes_path)
-    layer = write_usd(robot, geometry, plan, meshes)
+    layer = usd_layer(robot, geometry, plan, meshes)
     bodies = len(robot.links) + len(added_links(robot, plan.names, plan.joints))
     size = inputs.standing.high - inputs.standing.low
     layer.describe(KEY, metadata(robot, keys, bodies, size))
@@ -49,7 +49,7 @@ def _picture(task: WriterInput) -> bytes | str:
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
     """Returns the entry of the USD in `robot.json`: names and zeros that differ from the robot's."""
     renamed = NameChangesRecord.from_model(plan.names) if any(plan.names.changes) else None
-    record = FormatRecord(renamed, plan.zeros or None)
+    record = FormatRecord(renamed, plan.ball_zeros or None)
     return {} if record == FormatRecord() else {"usd": record}
 
 

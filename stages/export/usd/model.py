@@ -42,14 +42,14 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Robot
 from linkwright.stages.robot.model.sensing import Sensing, SensorCamera
 from linkwright.stages.robot.text.names import free
 
-_FROM_IMAGE = np.diag([1.0, -1.0, -1.0])
+_CAMERA_FROM_PRIM = np.diag([1.0, -1.0, -1.0])
 """camera_from_prim (3, 3): USD's cameras look along −z with y up; the robot's look along z with y down."""
 
 _CLIPPING_RANGE = (0.01, 100.0)
 """The nearest and the farthest distance [m] that cameras show. USD's default hides everything nearer than 1
 m."""
 
-FOCAL = 24.0
+_FOCAL_LENGTH = 24.0
 """The focal length of cameras [tenths of the scene's unit], which sets the scale of the image's sides."""
 
 
@@ -66,14 +66,14 @@ class UsdPlan:
     home: Configuration
     """The values of all dofs in the pose in which the robot is written."""
 
-    zeros: Configuration
+    ball_zeros: Configuration
     """The values of balls at which their joints in the USD are at zero."""
 
     world_from_root: Array
     """The pose (4, 4) of the root link in the world."""
 
 
-def write_usd(robot: Robot, geometry: Geometry, plan: UsdPlan, meshes: UsdMeshes) -> Layer:
+def usd_layer(robot: Robot, geometry: Geometry, plan: UsdPlan, meshes: UsdMeshes) -> Layer:
     """Builds the layer of a robot."""
     writer = _LayerWriter(robot, geometry, plan, meshes)
     writer.write()
@@ -87,7 +87,9 @@ class _LayerWriter:
         self.robot, self.geometry, self.plan = robot, geometry, plan
         self.shapes, self.meshes, self.shown_meshes = geometry.by_link(), meshes, ShownMeshes(meshes)
         self.layer = Layer(plan.names.robot, "Xform")
-        self.poses = body_poses(robot, plan.names, plan.home, plan.zeros, plan.joints, plan.world_from_root)
+        self.poses = body_poses(
+            robot, plan.names, plan.home, plan.ball_zeros, plan.joints, plan.world_from_root
+        )
         self.bodies: dict[str, Prim] = {}
         self.colliders: dict[str, list[Prim]] = {}
 
@@ -175,16 +177,8 @@ class _LayerWriter:
         """Marks the roots of articulations: the joint that fixes the robot, or the root link of a floating
         robot, and each free link that has joints of its own."""
         names = self.plan.names
-        root_link = names.links[self.robot.root.name]
-        roots = [self.bodies[root_link]]
-        if self.robot.base.fixed:
-            base = joint_scope.child(names.base_joint, "PhysicsFixedJoint")
-            # The robot's own prim is not a body, so UsdPhysics treats it as the world, even if the robot is
-            # placed in a scene.
-            base.point_to("physics:body0", self.layer.root)
-            base.point_to("physics:body1", self.bodies[root_link])
-            write_frames(base, self.poses[root_link], np.eye(4))
-            roots = [base]
+        root_link = self.bodies[names.links[self.robot.root.name]]
+        roots = [self._write_base_joint(joint_scope) if self.robot.base.fixed else root_link]
         parents = {joint.parent for joint in self.robot.joints if joint.type != "free"}
         roots += [
             self.bodies[names.links[joint.child]]
@@ -195,6 +189,18 @@ class _LayerWriter:
             root.apply("PhysicsArticulationRootAPI", "PhysxArticulationAPI", "NewtonArticulationRootAPI")
             root.set("physxArticulation:enabledSelfCollisions", "bool", self.geometry.self_contact)
             root.set("newton:selfCollisionEnabled", "bool", self.geometry.self_contact)
+
+    def _write_base_joint(self, joint_scope: Prim) -> Prim:
+        """Writes the joint that fixes the root link to the world."""
+        names = self.plan.names
+        root_link = names.links[self.robot.root.name]
+        base_joint = joint_scope.child(names.base_joint, "PhysicsFixedJoint")
+        # The robot's own prim is not a body, so UsdPhysics treats it as the world, even if the robot is
+        # placed in a scene.
+        base_joint.point_to("physics:body0", self.layer.root)
+        base_joint.point_to("physics:body1", self.bodies[root_link])
+        write_frames(base_joint, self.poses[root_link], np.eye(4))
+        return base_joint
 
     def _write_joints(self, scope: Prim) -> dict[str, Prim]:
         """Writes the joints, and returns the prim of each dof's joint."""
@@ -212,8 +218,8 @@ class _LayerWriter:
         prim = scope.child(joint.name, f"Physics{joint.type}Joint")
         if robot_name != joint.name:
             prim.set_display_name(robot_name)
-        first = self.layer.root if joint.first is None else self.bodies[joint.first]
-        prim.point_to("physics:body0", first)
+        parent = self.layer.root if joint.first is None else self.bodies[joint.first]
+        prim.point_to("physics:body0", parent)
         prim.point_to("physics:body1", self.bodies[joint.second])
         write_frames(prim, joint.first_from_joint, joint.second_from_joint)
         write_joint(prim, joint)
@@ -259,11 +265,11 @@ def _write_camera(prim: Prim, camera: SensorCamera) -> None:
     """Writes the pose, the field of view and the resolution's aspect of a camera."""
     if prim.path.rpartition("/")[2] != camera.name:
         prim.set_display_name(camera.name)
-    prim.place(camera.link_from_camera @ from_parts(_FROM_IMAGE, np.zeros(3)))
+    prim.place(camera.link_from_camera @ from_parts(_CAMERA_FROM_PRIM, np.zeros(3)))
     width, height = camera.resolution
-    aperture = 2 * FOCAL * math.tan(math.radians(camera.fovy) / 2)
+    aperture = 2 * _FOCAL_LENGTH * math.tan(math.radians(camera.fovy) / 2)
     prim.token("projection", "perspective")
-    prim.number("focalLength", FOCAL)
+    prim.number("focalLength", _FOCAL_LENGTH)
     prim.number("verticalAperture", aperture)
     prim.number("horizontalAperture", aperture * width / height)
     prim.floats("clippingRange", "float2", _CLIPPING_RANGE)

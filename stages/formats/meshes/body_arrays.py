@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.triangles import (
-    COLOUR,
-    HINT,
-    LENGTH,
+    COLOUR_BYTES,
+    HEADER_LENGTH,
     MAGIC,
-    POINT,
-    TEXCOORDS,
-    TRIANGLE,
+    POINT_BYTES,
+    REFRESH_HINT,
+    TEXCOORDS_BYTES,
+    TRIANGLE_BYTES,
     read_header,
 )
 from linkwright.stages.robot.errors import ProtocolError
@@ -74,7 +74,7 @@ def encode(bodies: Sequence[Body]) -> bytes:
         if body.textures:
             arrays.append(np.ascontiguousarray(body.texcoords, dtype="<f4").tobytes())
     header = json.dumps({"bodies": records}, separators=(",", ":")).encode()
-    return b"".join([MAGIC, LENGTH.pack(len(header)), header, *arrays])
+    return b"".join([MAGIC, HEADER_LENGTH.pack(len(header)), header, *arrays])
 
 
 def decode(data: bytes, ids: Collection[str] | None = None) -> dict[str, Body]:
@@ -86,11 +86,11 @@ def decode(data: bytes, ids: Collection[str] | None = None) -> dict[str, Body]:
     records, start = read_header(data)
     for record in records:
         name, n, m = record["id"], record["points"], record["triangles"]
-        points, triangles = start, start + n * POINT
-        colours = triangles + m * TRIANGLE
-        texcoords = colours + m * COLOUR
+        points, triangles = start, start + n * POINT_BYTES
+        colours = triangles + m * TRIANGLE_BYTES
+        texcoords = colours + m * COLOUR_BYTES
         textures = tuple(record.get("textures", ()))
-        start = texcoords + (m * TEXCOORDS if textures else 0)
+        start = texcoords + (m * TEXCOORDS_BYTES if textures else 0)
         if name in bodies or (ids is not None and name not in ids):
             continue
         body = Body(
@@ -176,4 +176,4 @@ def _require_within(body: Body) -> None:
     finite = all(bool(np.isfinite(values).all()) for values in numbers)
     if not within or body.colours.max() >= len(body.palette) or not finite:
         msg = "a triangle has a corner or a colour that is not there"
-        raise ProtocolError(msg, f"part {body.id}", HINT)
+        raise ProtocolError(msg, f"part {body.id}", REFRESH_HINT)

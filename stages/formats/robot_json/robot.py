@@ -31,7 +31,7 @@ from linkwright.stages.formats.robot_json.values import Number, PoseRecord
 from linkwright.stages.robot.model import robot as model
 from linkwright.stages.robot.model.amendments import Amendment, Surplus
 from linkwright.stages.robot.model.geometry import Geometry
-from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.model.semantics import NO_SEMANTICS, RobotSemantics
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class RobotRecord(JsonRecord[model.Robot]):
     transmissions: tuple[model.Transmission, ...] = ()
     actuation: Annotated[ActuationRecord, INLINE]
     keyframes: tuple[KeyframeRecord, ...]
-    semantics: RobotSemantics = NOTHING_MORE
+    semantics: RobotSemantics = NO_SEMANTICS
     sensing: Annotated[SensingRecord, INLINE]
     order: Annotated[OrderRecord | None, UNREAD] = None
     shapes: tuple[ShapeRecord, ...] | None = None

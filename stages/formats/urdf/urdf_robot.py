@@ -31,10 +31,10 @@ def urdf_robot(robot: Robot, form: UrdfForm, holders: Holders) -> Robot:
     if all(holder == link for link, (holder, _) in holders.items()):
         return robot
     merged_robot = fused(robot, holders)
-    names = {joint.name: joint.name for joint in merged_robot.joints}
+    kept_joints = {joint.name: joint.name for joint in merged_robot.joints}
     # Controls of joints that were merged away are left out.
-    controls = (with_joints(text, names)[0] for text in robot.controls)
-    return replace(merged_robot, controls=tuple(text for text in controls if text))
+    controls = (with_joints(xml, kept_joints)[0] for xml in robot.controls)
+    return replace(merged_robot, controls=tuple(xml for xml in controls if xml))
 
 
 def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:

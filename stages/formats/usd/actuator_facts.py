@@ -25,7 +25,7 @@ _LENGTHS = {"mjc:dynPrm": 10, "mjc:gainPrm": 10, "mjc:biasPrm": 10, "mjc:gear": 
 
 
 @dataclass(frozen=True, slots=True)
-class ActuatorFacts:
+class ActuatorAttributes:
     """The attributes of an actuator in the schema, by name: numbers, tokens, and arrays of numbers."""
 
     numbers: Mapping[str, float]
@@ -33,45 +33,45 @@ class ActuatorFacts:
     arrays: Mapping[str, tuple[float, ...]]
 
 
-def known_actuators(
+def supported_actuators(
     actuators: Sequence[Actuator], dofs: Collection[str]
-) -> Iterator[tuple[str, Actuator, ActuatorFacts]]:
+) -> Iterator[tuple[str, Actuator, ActuatorAttributes]]:
     """Yields (name of the prim, actuator, attributes) for each actuator of these dofs that the schema
     supports."""
     names = identifiers(actuator.name for actuator in actuators)
     for actuator in actuators:
-        facts = actuator_facts(actuator)
-        if facts is not None and actuator.dof in dofs:
-            yield names[actuator.name], actuator, facts
+        attributes = actuator_attributes(actuator)
+        if attributes is not None and actuator.dof in dofs:
+            yield names[actuator.name], actuator, attributes
 
 
-def actuator_facts(actuator: Actuator) -> ActuatorFacts | None:
+def actuator_attributes(actuator: Actuator) -> ActuatorAttributes | None:
     """Returns an actuator's attributes in the schema, without the integral term of a PID; None if the schema
     has no such actuator."""
-    tokens, arrays = _force(actuator)
+    tokens, arrays = _force_law(actuator)
     if any(tokens[name] not in allowed for name, (_, allowed) in _TOKENS.items() if name in tokens):
         return None
     numbers: dict[str, float] = {}
-    ranges = {"ctrl": actuator.control, "force": actuator.force, "act": _pair(actuator, "actrange")}
+    ranges = {"ctrl": actuator.control, "force": actuator.force, "act": _source_range(actuator, "actrange")}
     for name, limits in ranges.items():
         if limits is not None:
             numbers |= {f"mjc:{name}Range:min": limits[0], f"mjc:{name}Range:max": limits[1]}
     if actuator.gear != 1.0:
         arrays["gear"] = (actuator.gear,)
-    attributes = {**_ARRAYS, "gear": "mjc:gear"}
-    return ActuatorFacts(
+    array_attributes = {**_ARRAYS, "gear": "mjc:gear"}
+    return ActuatorAttributes(
         numbers,
         {_TOKENS[name][0]: token for name, token in tokens.items()},
-        {attributes[name]: _padded(attributes[name], values) for name, values in arrays.items()},
+        {array_attributes[name]: _padded(array_attributes[name], values) for name, values in arrays.items()},
     )
 
 
-def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, ...]]]:
+def _force_law(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, ...]]]:
     """Returns the tokens and arrays of the force by MJCF attribute, as MuJoCo's shortcut elements (such as
     `position`) set them."""
     kp, kv = actuator.kp or 0.0, actuator.kv or 0.0
     match actuator.type:
-        # The integral term of a PID is left out (see `actuator_facts`).
+        # The integral term of a PID is left out (see `actuator_attributes`).
         case "position" | "pid":
             return {"biastype": "affine"}, {"gainprm": (kp,), "biasprm": (0.0, -kp, -kv)}
         # The activation of the integrator is the target position.
@@ -85,7 +85,7 @@ def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, .
         case "damper":
             return {"gaintype": "affine"}, {"gainprm": (0.0, 0.0, -kv)}
         case "dcmotor":
-            # The schema does not have this type of gain, so `actuator_facts` returns None.
+            # The schema does not have this type of gain, so `actuator_attributes` returns None.
             return {"gaintype": "dcmotor"}, {}
         case _:
             terms = dict(actuator.terms)
@@ -95,7 +95,7 @@ def _force(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[float, .
             )
 
 
-def _pair(actuator: Actuator, name: str) -> tuple[float, float] | None:
+def _source_range(actuator: Actuator, name: str) -> tuple[float, float] | None:
     """Returns a range that the source gives for the actuator; None if it gives none."""
     text = dict(actuator.terms).get(name)
     if text is None:

@@ -21,7 +21,7 @@ from linkwright.stages.graph.onshape.onshape_to_robot_names import (
     DOF,
     FIX,
     FRAME,
-    dof_mate,
+    as_joint_mate,
     joint_words,
     type_between_links,
     unprefixed_name,
@@ -66,7 +66,9 @@ def translate_names(
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [joint for mate in mates_by_meaning[DOF] if (joint := dof_mate(mate, assembly, log)) is not None]
+    joints = [
+        joint for mate in mates_by_meaning[DOF] if (joint := as_joint_mate(mate, assembly, log)) is not None
+    ]
     loop_mates = [
         replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
         for mate in mates_by_meaning[CLOSING]

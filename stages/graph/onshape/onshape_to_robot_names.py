@@ -15,13 +15,13 @@ from linkwright.stages.robot.text.names import legal
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 """Prefixes of names: joints, closed loops, frames, and welds."""
 
-INVERTED = frozenset({"inv", "inverted"})
+INVERTING_WORDS = frozenset({"inv", "inverted"})
 """Words at the end of a joint's name that invert its direction."""
 
-ENDLESS = frozenset({"wheel", "continuous"})
+CONTINUOUS_WORDS = frozenset({"wheel", "continuous"})
 """Words in a joint's name that let it turn without limits."""
 
-FLIP = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
+HALF_TURN_ABOUT_X = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
 """Half a turn about x. If both frames of a mate are turned by it, all motions of the mate change sign, except
 those along and about x."""
 
@@ -51,7 +51,7 @@ def unprefixed_name(mate: Mate) -> str:
 def joint_words(mate: Mate) -> JointWords:
     """Splits the name of a mate's joint into words."""
     words = unprefixed_name(mate).split("_")
-    inverted = words[-1] in INVERTED
+    inverted = words[-1] in INVERTING_WORDS
     return JointWords(words[:-1] if inverted else words, inverted)
 
 
@@ -61,7 +61,7 @@ def type_between_links(mate: Mate) -> str:
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
-def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | None:
+def as_joint_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | None:
     """Returns a `dof_` mate with the name of its joint, flipped if the name inverts its direction. A
     CYLINDRICAL mate becomes REVOLUTE (W-PEER-SLIDE). Returns None if the joint has no name (E-PEER-NAME)."""
     words, inverted = joint_words(mate)
@@ -72,10 +72,10 @@ def dof_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | None:
     if mate.ref.type == "CYLINDRICAL":
         mate = _as_revolute(mate, assembly)
         message = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
-        log.report("W-PEER-SLIDE", message, mate.title, "set conventions: linkwright for both")
+        log.report("W-PEER-SLIDE", message, mate.title, "to keep the slide, set conventions: linkwright")
     kind = type_between_links(mate)
     limits = dict(mate.limits or {})
-    if kind == "REVOLUTE" and ENDLESS.intersection(words):
+    if kind == "REVOLUTE" and CONTINUOUS_WORDS.intersection(words):
         limits = {}
     mate = replace(mate, ref=replace(mate.ref, name=name, type=kind), limits=limits)
     return _flipped(mate) if inverted else mate
@@ -95,9 +95,9 @@ def _as_revolute(mate: Mate, assembly: Assembly) -> Mate:
 
 
 def _flipped(mate: Mate) -> Mate:
-    """Returns the mate with both frames flipped (see `FLIP`)."""
+    """Returns the mate with both frames flipped (see `HALF_TURN_ABOUT_X`)."""
     first, second = (
-        replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ FLIP))
+        replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ HALF_TURN_ABOUT_X))
         for entity in mate.entities
     )
     limits = {

@@ -62,16 +62,15 @@ def _repaired_inertial(
         _report_without_mass(link, inertial, policy == "refuse" and (is_moving or inertial.mass < 0), log)
         return None
     if is_physical(inertial):
-        return _thickened(inertial)
+        return _thickened_if_flat(inertial)
     if policy == "refuse":
         return inertial
-    repair = (
-        _projected_repair(inertial)
-        if policy == "project"
-        else _recomputed_repair(link, inertial, solid_of_shapes)
-    )
+    if policy == "project":
+        repair = _projected_repair(inertial)
+    else:
+        repair = _recomputed_repair(link, inertial, solid_of_shapes)
     text = (
-        f"{why_unphysical(inertial)}; it was replaced by {repair.text}: "
+        f"{why_unphysical(inertial)}; it was replaced by {repair.description}: "
         f"{_moments(repair.inertial.inertia)} kg m²"
     )
     log.report("W-INERTIA", text, link.name, "correct it in the file, or give mass: {links: {...}}")
@@ -82,7 +81,7 @@ class _Repair(NamedTuple):
     """A repaired inertial, and how it was found, in words for the user."""
 
     inertial: Inertial
-    text: str
+    description: str
 
 
 def _projected_repair(inertial: Inertial) -> _Repair:
@@ -94,18 +93,20 @@ def _recomputed_repair(link: UrdfLink, inertial: Inertial, solid_of_shapes: Soli
     solid_inertial = solid_of_shapes(link.visuals) or solid_of_shapes(link.collisions)
     if solid_inertial is None:
         repair = _projected_repair(inertial)
-        return repair._replace(text=f"{repair.text}, since no shape of the link encloses a volume")
+        return repair._replace(
+            description=f"{repair.description}, since no shape of the link encloses a volume"
+        )
     recomputed = scaled(solid_inertial, inertial.mass)
     return _Repair(recomputed, "that of a uniform solid of the link's shapes, about its centre of mass")
 
 
-def _report_without_mass(link: UrdfLink, inertial: Inertial, refused: bool, log: Diagnostics) -> None:
-    """Reports an inertial whose mass is not positive. `refused`: whether that is an error."""
+def _report_without_mass(link: UrdfLink, inertial: Inertial, is_error: bool, log: Diagnostics) -> None:
+    """Reports an inertial whose mass is not positive. `is_error`: whether that is an error."""
     text = f"its mass is {inertial.mass:g} kg"
     if inertial.mass == 0:
         text = f"it has an inertia ({_moments(inertial.inertia)} kg m²), but no mass"
-    if refused:
-        hint = "correct it in the file, or set its mass to 0: source.bad_inertia=project"
+    if is_error:
+        hint = "correct it in the file, or treat the link as massless: source.bad_inertia=project"
         log.report("E-INERTIA", text, link.name, hint)
     else:
         log.report(
@@ -120,7 +121,7 @@ def nearest_physical(inertia: Array) -> Array:
     return no_thinner(inertia, max(MIN_SPREAD * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
 
 
-def _thickened(inertial: Inertial) -> Inertial:
+def _thickened_if_flat(inertial: Inertial) -> Inertial:
     """Returns the inertial, with a flat body made thicker by less than the digits of a file show: engines
     reject inertias at the limit of the possible."""
     spreads = spread(inertial.inertia)

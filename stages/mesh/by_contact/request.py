@@ -40,7 +40,7 @@ class ContactRequest:
         """Returns all that the colliders depend on, as plain data."""
         frames = sorted([frame.name, frame.link] for frame in self.robot.frames)
         return {
-            "jobs": [[job.link, job.key()] for job in self.jobs],
+            "jobs": [[job.link, job.identity_data()] for job in self.jobs],
             "fixed": {link: collision.digest(pieces) for link, pieces in sorted(self.fixed.items())},
             "apart": None if self.apart is None else sorted(self.apart),
             "fine": frames if self.fine is None else [sorted(self.fine)],

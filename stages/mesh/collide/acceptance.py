@@ -9,7 +9,14 @@ from linkwright.stages.formats.meshes.surface import Surface, join_surfaces
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.configuration.collider_settings import default_tolerance
 from linkwright.stages.mesh.fit.score import MAX_PROTRUSION_TOLERANCES
-from linkwright.stages.mesh.measure import QUICK_SAMPLE_COUNT, Measures, Target, is_hopeless, is_near, measure
+from linkwright.stages.mesh.measure import (
+    QUICK_SAMPLE_COUNT,
+    MeasuredPart,
+    Measures,
+    is_hopeless,
+    is_near,
+    measure,
+)
 from linkwright.stages.mesh.surfaces.clean import clean
 from linkwright.stages.mesh.surfaces.pieces import Piece
 
@@ -20,7 +27,7 @@ class Judge:
 
     surface: Surface
     """Surface of the part, without cavities and flat portions."""
-    target: Target
+    target: MeasuredPart
     tolerance: float
     """Tolerance [m]."""
     extra_volume: float
@@ -35,7 +42,7 @@ class Judge:
             return "the part is flat"
         solid = join_surfaces(bodies)
         try:
-            target = Target.of(solid)
+            target = MeasuredPart.of(solid)
         except ValueError as error:
             return str(error)
         tolerance = default_tolerance(solid.diagonal) if tolerance is None else tolerance

@@ -51,18 +51,18 @@ class ColliderJob:
     """Index of each part among the parts of the link."""
 
     @property
-    def single(self) -> bool:
-        """Whether the collider is for a single part, in the part's frame."""
+    def in_part_frame(self) -> bool:
+        """Whether the collider is for a single part, in the frame of that part."""
         return self.choice.how.per == "part" and len(self.placed_meshes) == 1
 
     @property
     def link_from_subject(self) -> Array:
         """Pose of the job's frame in the link (4, 4)."""
-        return self.placed_meshes[0].link_from_part if self.single else _IDENTITY
+        return self.placed_meshes[0].link_from_part if self.in_part_frame else _IDENTITY
 
-    def key(self) -> dict[str, Any]:
+    def identity_data(self) -> dict[str, Any]:
         """Returns everything that the collider depends on, as plain data."""
-        if self.single:
+        if self.in_part_frame:
             mesh = self.placed_meshes[0].mesh
             meshes: list[Any] = [mesh.reply, mesh.part]
         else:
@@ -72,8 +72,8 @@ class ColliderJob:
         return {"maker": self.choice.maker, "settings": asdict(self.choice.settings), "of": meshes}
 
     def identity(self) -> str:
-        """Returns the digest of the key."""
-        return sha256(json.dumps(self.key(), sort_keys=True).encode()).hexdigest()
+        """Returns the digest of `identity_data`."""
+        return sha256(json.dumps(self.identity_data(), sort_keys=True).encode()).hexdigest()
 
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
         """Returns the surfaces of the parts that have a mesh, in the frame of the job."""
@@ -82,7 +82,7 @@ class ColliderJob:
             surface = library.surface(placed_mesh.mesh, self.choice.how.triangles)
             if surface is not None:
                 surfaces.append(
-                    surface if self.single else transform_surface(surface, placed_mesh.link_from_part)
+                    surface if self.in_part_frame else transform_surface(surface, placed_mesh.link_from_part)
                 )
         return surfaces
 
@@ -103,8 +103,8 @@ def collide(
     maker = _ColliderMaker(library, memo)
     # One after the other, since the time is spent in Python: for the 20 parts of the sample two threads take
     # 5.2 s instead of 5.7 s, and two processes, which start for a second each, would save 2 s of 40.
-    first_colliders = [MadeCollider(job, maker.collider(job)) for job in jobs]
-    return maker.merge_pieces(maker.improve_worst(maker.share_colliders(first_colliders), shown))
+    first_colliders = [MadeCollider(job, maker.collider_of(job)) for job in jobs]
+    return maker.merge_pieces(maker.improve_misses(maker.share_colliders(first_colliders), shown))
 
 
 class _ColliderMaker:
@@ -115,27 +115,27 @@ class _ColliderMaker:
         self._colliders: dict[tuple[str, str], Collision] = {}
         self._lock = threading.Lock()
 
-    def collider(self, job: ColliderJob, function: str = "make") -> Collision:
-        """Returns the collider of a job. `function`: the maker's function, "make", or "together" to make a
-        single collider of several parts."""
-        return self._kept(job, function, lambda: collision.encode(self._make(job, function)))
+    def collider_of(self, job: ColliderJob, step: str = "make") -> Collision:
+        """Returns the collider of a job. `step`: the maker's function, "make", or "together" to make a single
+        collider of several parts."""
+        return self._remembered(job, step, lambda: collision.encode(self._make(job, step)))
 
-    def _kept(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> Collision:
+    def _remembered(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> Collision:
         """Returns the collider of a step ("make", "together" or "joined") from memory; the first time, it is
         read from the cache, or made by `make`."""
-        key = job.identity(), step
-        if key not in self._colliders:
-            self._colliders[key] = collision.decode(self._cached(job, step, make))
-        return self._colliders[key]
+        memory_key = job.identity(), step
+        if memory_key not in self._colliders:
+            self._colliders[memory_key] = collision.decode(self._cached(job, step, make))
+        return self._colliders[memory_key]
 
     def _cached(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> bytes:
         return self._memo("mesh.collider", {"collider": job.identity(), "step": step}, make)
 
-    def _make(self, job: ColliderJob, function: str) -> Collision:
+    def _make(self, job: ColliderJob, step: str) -> Collision:
         surfaces = self._surfaces(job)
         if not surfaces:
             return Collision(note="it has no mesh")
-        result: Collision = getattr(MAKERS[job.choice.maker], function)(surfaces, job.choice.settings)
+        result: Collision = getattr(MAKERS[job.choice.maker], step)(surfaces, job.choice.settings)
         return result
 
     def _surfaces(self, job: ColliderJob) -> list[Surface]:
@@ -146,7 +146,7 @@ class _ColliderMaker:
         """Returns the colliders, with a single shared collider for the parts of a link whose maker the same
         configuration entry chose, if a shared collider suffices."""
         result: list[MadeCollider] = []
-        for group in _groups_by_key(colliders):
+        for group in _groups_by_entry(colliders):
             shared_collider = self._shared_collider(group)
             result += group if shared_collider is None else [shared_collider]
         return result
@@ -155,14 +155,14 @@ class _ColliderMaker:
         if len(group) < 2:
             return None
         combined_job = _combined_job(group)
-        shared = self.collider(combined_job, "together")
+        shared = self.collider_of(combined_job, "together")
         return MadeCollider(combined_job, shared) if shared.pieces else None
 
     def merge_pieces(self, colliders: Sequence[MadeCollider]) -> list[MadeCollider]:
         """Returns the colliders, with fewer pieces where pieces of different parts can be merged. Only parts
         of a link whose maker the same configuration entry chose are merged."""
         result: list[MadeCollider] = []
-        for group in _groups_by_key(colliders):
+        for group in _groups_by_entry(colliders):
             mergeable = [
                 collider
                 for collider in group
@@ -188,29 +188,25 @@ class _ColliderMaker:
         settings = combined_job.choice.settings
         assert isinstance(settings, LadderSettings)
 
-        def make() -> bytes:
+        def encoded_merge() -> bytes:
             return collision.encode(merge_across_parts(self._surfaces(combined_job), pieces, settings))
 
-        merged = self._kept(combined_job, "joined", make)
+        merged = self._remembered(combined_job, "joined", encoded_merge)
         return MadeCollider(combined_job, merged) if merged.pieces else None
 
-    def improve_worst(self, colliders: Sequence[MadeCollider], shown: Shown | None) -> list[MadeCollider]:
+    def improve_misses(self, colliders: Sequence[MadeCollider], shown: Shown | None) -> list[MadeCollider]:
         """Returns the colliders, improved where a collider misses its tolerance and its maker has a second
         step. The worst collider is improved first."""
-        candidates: dict[str, MadeCollider] = {}
-        for collider in colliders:
-            if collider.job.choice.how.improves and not collider.collision.meets and collider.collision.faces:
-                candidates.setdefault(collider.job.identity(), collider)
-        ranked = sorted(candidates, key=lambda name: (-_tolerances_off(candidates[name].collision), name))
-        makings: list[Making[Collision | DecompositionFailed]] = [
-            Making(candidates[name].job.name, partial(self._improve, candidates[name])) for name in ranked
+        candidates = _candidates_for_improvement(colliders)
+        tasks: list[Making[Collision | DecompositionFailed]] = [
+            Making(candidate.job.name, partial(self._improve, candidate)) for candidate in candidates.values()
         ]
         results: dict[str, Collision] = {}
-        for name, result in zip(ranked, side_by_side(makings, shown), strict=True):
+        for identity, result in zip(candidates, side_by_side(tasks, shown), strict=True):
             if isinstance(result, DecompositionFailed):
-                results[name] = replace(candidates[name].collision, note=result.message, failed=True)
+                results[identity] = replace(candidates[identity].collision, note=result.message, failed=True)
             else:
-                results[name] = result
+                results[identity] = result
         return [
             replace(collider, collision=results.get(collider.job.identity(), collider.collision))
             for collider in colliders
@@ -219,15 +215,25 @@ class _ColliderMaker:
     def _improve(self, collider: MadeCollider, guest: Guest) -> Collision:
         job = collider.job
 
-        def make() -> bytes:
+        def encoded_improvement() -> bytes:
             task = Improvement(job.choice.maker, self._surfaces(job), job.choice.settings, collider.collision)
             return improved(task, guest)
 
         # Each collider is improved once, in a thread of its own, so `_colliders` is not needed.
-        return collision.decode(self._cached(job, "improve", make))
+        return collision.decode(self._cached(job, "improve", encoded_improvement))
 
 
-def _groups_by_key(colliders: Sequence[MadeCollider]) -> list[list[MadeCollider]]:
+def _candidates_for_improvement(colliders: Sequence[MadeCollider]) -> dict[str, MadeCollider]:
+    """Returns a collider for each job that misses its tolerance and can be improved, by the job's identity,
+    the worst first."""
+    candidates: dict[str, MadeCollider] = {}
+    for collider in colliders:
+        if collider.job.choice.how.improves and not collider.collision.meets and collider.collision.faces:
+            candidates.setdefault(collider.job.identity(), collider)
+    return dict(sorted(candidates.items(), key=lambda item: (-_tolerances_off(item[1].collision), item[0])))
+
+
+def _groups_by_entry(colliders: Sequence[MadeCollider]) -> list[list[MadeCollider]]:
     """Groups colliders: those of a link for which the same configuration entry chose the ladder are a group,
     and every other collider is a group by itself."""
     groups: dict[tuple[str, int], list[MadeCollider]] = {}
@@ -235,8 +241,8 @@ def _groups_by_key(colliders: Sequence[MadeCollider]) -> list[list[MadeCollider]
         choice = collider.job.choice
         mergeable = choice.maker == "ladder" and not choice.apart and collider.collision.pieces
         # No link has an empty name, so the index makes a group of this collider alone.
-        key = (collider.job.link, choice.entry) if mergeable else ("", index)
-        groups.setdefault(key, []).append(collider)
+        group_key = (collider.job.link, choice.entry) if mergeable else ("", index)
+        groups.setdefault(group_key, []).append(collider)
     return list(groups.values())
 
 

@@ -1,6 +1,6 @@
 """Measures how well pieces represent a part, as distances and volumes.
 
-Every rung of the ladder, and every figure of a report, is judged by `measure(Target.of(part), pieces)`.
+Every rung of the ladder, and every figure of a report, is judged by `measure(MeasuredPart.of(part), pieces)`.
 
 - field: Computes the distance from a part on a grid around it: once, to be interpolated for thousands of
   hulls.
@@ -19,7 +19,7 @@ from linkwright.stages.mesh.measure.judge import is_near as is_near
 from linkwright.stages.mesh.measure.judge import measure as measure
 from linkwright.stages.mesh.measure.judge import outside_part as outside_part
 from linkwright.stages.mesh.measure.samples import evenly_spread as evenly_spread
-from linkwright.stages.mesh.measure.target import Target as Target
+from linkwright.stages.mesh.measure.target import MeasuredPart as MeasuredPart
 from linkwright.stages.mesh.measure.tree import BoxTree as BoxTree
 from linkwright.stages.mesh.measure.tree import Nearest as Nearest
 from linkwright.stages.robot.model.geometry import Measures as Measures

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.surface import Points
-from linkwright.stages.mesh.measure import Target, evenly_spread, outside_part
+from linkwright.stages.mesh.measure import MeasuredPart, evenly_spread, outside_part
 
 _PITCH_TOLERANCES = 0.5
 """Distance between the nodes of the grid, in tolerances."""
@@ -37,7 +37,7 @@ _MAX_DISTANCE = 10.0
 class Field:
     """The distance from a part on a grid."""
 
-    target: Target
+    target: MeasuredPart
     tolerance: float
     """Unit of the distances [m]."""
     pitch: float
@@ -48,7 +48,7 @@ class Field:
     """Distance at each node, in tolerances, 0 inside; None if the grid would have too many nodes."""
 
     @staticmethod
-    def of(target: Target, tolerance: float) -> Field:
+    def of(target: MeasuredPart, tolerance: float) -> Field:
         """Computes the field of a part, for distances of a few tolerances [m], exact to about a tenth of a
         tolerance."""
         pitch = _PITCH_TOLERANCES * tolerance
@@ -85,7 +85,7 @@ class Field:
         return np.asarray(values, dtype=np.float64)
 
 
-def _inside_nodes(free: npt.NDArray[np.bool_], nodes: Points, target: Target) -> npt.NDArray[np.bool_]:
+def _inside_nodes(free: npt.NDArray[np.bool_], nodes: Points, target: MeasuredPart) -> npt.NDArray[np.bool_]:
     """Tells which of the nodes that are `free` of the wall are inside. A connected region of them is usually
     inside or outside as a whole."""
     regions, count = scipy.ndimage.label(free)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.measure.samples import evenly_spread
-from linkwright.stages.mesh.measure.target import SAMPLE_COUNT, Target
+from linkwright.stages.mesh.measure.target import SAMPLE_COUNT, MeasuredPart
 from linkwright.stages.mesh.measure.tree import Indices, Numbers, Value, largest
 from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.surfaces.pieces import Piece
@@ -40,7 +40,7 @@ _ROUNDING = 1e-6  # of the diagonal
 
 
 def measure(
-    target: Target, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None
+    target: MeasuredPart, pieces: Sequence[Piece], protrusion: tuple[float, float] | None = None
 ) -> Measures:
     """Measures how the union of `pieces` differs from the part; raises ValueError without pieces.
 
@@ -62,7 +62,7 @@ def measure(
     return Measures(extra, round(shares.missing, 6), shares.by, *rounded)
 
 
-def is_near(target: Target, pieces: Sequence[Piece], tolerance: float, max_protrusion: float) -> bool:
+def is_near(target: MeasuredPart, pieces: Sequence[Piece], tolerance: float, max_protrusion: float) -> bool:
     """Tells whether 95 % of the outer surface of `pieces` stand out by at most the tolerance [m], and all of
     it by at most `max_protrusion`, and no point of the part is further outside than the tolerance.
 
@@ -80,13 +80,13 @@ def is_near(target: Target, pieces: Sequence[Piece], tolerance: float, max_protr
     return _barest(target, union, _search_start(target, tolerance)) <= tolerance
 
 
-def _search_start(target: Target, limit: float) -> float:
+def _search_start(target: MeasuredPart, limit: float) -> float:
     """Returns the start value of a search that only has to tell whether anything is above the limit."""
     return max(0.0, min(limit - MAX_ERROR_SHARE * target.diagonal, limit / (1 + _RELATIVE_ERROR)))
 
 
 def is_hopeless(
-    target: Target, pieces: Sequence[Piece], tolerance: float, points: int = QUICK_SAMPLE_COUNT
+    target: MeasuredPart, pieces: Sequence[Piece], tolerance: float, points: int = QUICK_SAMPLE_COUNT
 ) -> bool:
     """Tells whether a sample of points already shows that the pieces miss the tolerance [m]: a point of the
     part is further outside than the tolerance, a point of the collider stands out three times as far, or more
@@ -102,7 +102,7 @@ def is_hopeless(
     samples = evenly_spread(union.tree.corners, points)
     triangles = samples.triangles
     _, outer = _depths_and_outer_mask(
-        target.diagonal, union, samples.points, union.owners[triangles], union.normals[triangles]
+        target.diagonal, union, samples.points, union.piece_indices[triangles], union.normals[triangles]
     )
     distances, exact = outside_part(target, samples.points[outer], tolerance)
     distances = distances[exact]
@@ -118,10 +118,10 @@ def _order(piece: Piece) -> tuple[str, bytes, bytes]:
     return piece.kind, np.array(piece.size).tobytes(), piece.link_from_shape.tobytes()
 
 
-def _protrusion(target: Target, union: PieceUnion) -> tuple[float, float]:
+def _protrusion(target: MeasuredPart, union: PieceUnion) -> tuple[float, float]:
     """Returns how far [m] 95 % of the outer surface stand out at most, and the largest value of a sample."""
     samples = evenly_spread(union.tree.corners, _POINTS_ON_PIECES)
-    owners, normals = union.owners[samples.triangles], union.normals[samples.triangles]
+    owners, normals = union.piece_indices[samples.triangles], union.normals[samples.triangles]
     _, outer = _depths_and_outer_mask(target.diagonal, union, samples.points, owners, normals)
     points = samples.points[outer]
     bounds = target.nearest(points, np.inf)[0]
@@ -142,12 +142,12 @@ def _protrusion(target: Target, union: PieceUnion) -> tuple[float, float]:
     return _tail(bounds, distances)
 
 
-def _farthest(target: Target, union: PieceUnion, least: float) -> float:
+def _farthest(target: MeasuredPart, union: PieceUnion, least: float) -> float:
     """Returns how far [m] the outer surface stands out at most; the result is `least` or more."""
 
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
         buried, outer = _depths_and_outer_mask(
-            target.diagonal, union, points, union.owners[triangles], union.normals[triangles]
+            target.diagonal, union, points, union.piece_indices[triangles], union.normals[triangles]
         )
         distances, exact = outside_part(target, points, exact_from)
         return Value(distances, outer & exact, np.maximum(buried, 0.0))
@@ -174,7 +174,7 @@ def _depths_and_outer_mask(
 
 
 def outside_part(
-    target: Target, points: Points, exact_from: Numbers | float
+    target: MeasuredPart, points: Points, exact_from: Numbers | float
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """Returns how far points are outside the part, and whether that is exact; see `Nearest`."""
     distances, _ = target.nearest(points, np.inf)
@@ -187,9 +187,9 @@ def outside_part(
     return distances, exact
 
 
-def _outer_corners(target: Target, union: PieceUnion) -> Points:
+def _outer_corners(target: MeasuredPart, union: PieceUnion) -> Points:
     """Returns the corners of pieces on the outer surface, judged by points of the faces near the corners."""
-    corners, owners, normals = union.corners(_MAX_TRIANGLES)
+    corners, owners, normals = union.triangles(_MAX_TRIANGLES)
     if not len(corners):
         return corners.reshape(-1, 3)
     points = corners.reshape(-1, 3)
@@ -200,7 +200,7 @@ def _outer_corners(target: Target, union: PieceUnion) -> Points:
     return np.unique(points[outer], axis=0)
 
 
-def _bareness(target: Target, union: PieceUnion) -> tuple[float, float]:
+def _bareness(target: MeasuredPart, union: PieceUnion) -> tuple[float, float]:
     """Returns the p95 and the maximum [m] of how far points of the part are outside the union."""
     points = target.samples.points
     bounds = _outside_union(union, points, np.inf).value
@@ -208,7 +208,7 @@ def _bareness(target: Target, union: PieceUnion) -> tuple[float, float]:
     return p95, _barest(target, union, least)
 
 
-def _barest(target: Target, union: PieceUnion, least: float) -> float:
+def _barest(target: MeasuredPart, union: PieceUnion, least: float) -> float:
     """Returns how far [m] a point of the part is outside the union at most; the result is `least` or more."""
 
     def value(points: Points, triangles: Indices, exact_from: Numbers) -> Value:
@@ -230,7 +230,7 @@ def _outside_union(union: PieceUnion, points: Points, exact_from: Numbers | floa
     return Value(distances, exact, np.maximum(depth, 0.0))
 
 
-def _allowed_error(target: Target, least: float) -> float:
+def _allowed_error(target: MeasuredPart, least: float) -> float:
     return max(MAX_ERROR_SHARE * target.diagonal, _RELATIVE_ERROR * least)
 
 

@@ -17,19 +17,20 @@ from linkwright.stages.mesh.surfaces.shells import Shells
 SAMPLE_COUNT = 3000
 """Number of points on the part."""
 
-_GRID_SHARE = 1 / 100
+_CELL_SHARE = 1 / 100
 """Size of the grid's cells, as a share of the diagonal."""
 
-_MAX_OVERLAP = 10
-"""Largest `_overlap` of a part that is measured: beyond it, measuring takes seconds. The overlap of usual
-parts is below 1."""
+_MAX_BOXES_PER_POINT = 10
+"""Largest `_mean_boxes_per_point` of a part that is measured: beyond it, measuring takes seconds. Usual parts
+have less than 1."""
 
 _MIN_SIDE_SHARE = 1e-9
-"""Smallest side of a box in `_overlap`, as a share of the diagonal: a flat box has no volume to divide by."""
+"""Smallest side of a box in `_mean_boxes_per_point`, as a share of the diagonal: a flat box has no volume to
+divide by."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Target:
+class MeasuredPart:
     """A part that is prepared for comparison with colliders."""
 
     surface: Surface
@@ -55,7 +56,7 @@ class Target:
     """Points in the part's box, once `shares` needs them; a list, since the class is frozen."""
 
     @staticmethod
-    def of(surface: Surface) -> "Target":
+    def of(surface: Surface) -> "MeasuredPart":
         """Prepares a surface, closed or not. Raises ValueError if it has no extent, or if its faces overlap
         so much that no tree of boxes is fast."""
         used_vertices = (
@@ -66,12 +67,12 @@ class Target:
             msg = "the surface cannot be measured: it has no extent, or coordinates that are not finite"
             raise ValueError(msg)
         tree = BoxTree.of(surface)
-        if _overlap(tree) > _MAX_OVERLAP:
+        if _mean_boxes_per_point(tree) > _MAX_BOXES_PER_POINT:
             msg = "the surface cannot be measured: too many of its faces overlap"
             raise ValueError(msg)
         closed = surface.is_closed()
         solid = Solid.of(_solids(surface)) if closed else None
-        return Target(
+        return MeasuredPart(
             surface,
             diagonal,
             closed,
@@ -80,7 +81,7 @@ class Target:
             Nearest.of(tree),
             InsideTest.of(surface),
             evenly_spread(tree.corners, SAMPLE_COUNT),
-            one_per_cell(Surface(used_vertices, surface.triangles), _GRID_SHARE * diagonal),
+            one_per_cell(Surface(used_vertices, surface.triangles), _CELL_SHARE * diagonal),
             solid,
         )
 
@@ -95,7 +96,7 @@ class Target:
         return self._cloud[0].shares(union)
 
 
-def _overlap(tree: BoxTree) -> float:
+def _mean_boxes_per_point(tree: BoxTree) -> float:
     """Returns the average number of triangles whose boxes contain a point of the part's box."""
     lows, highs = tree.boxes[0]
     min_side = _MIN_SIDE_SHARE * tree.diagonal

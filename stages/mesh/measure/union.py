@@ -22,18 +22,18 @@ class PieceUnion:
 
     tree: BoxTree
     """Triangles of all pieces."""
-    owners: Indices
+    piece_indices: Indices
     """Index of the piece of each triangle of the tree (m,)."""
     normals: Points
     """Unit normal of each triangle of the tree (m, 3)."""
     pieces: tuple[Piece, ...]
-    beyond: tuple[Distances, ...]
+    distance_functions: tuple[Distances, ...]
     """For each piece, the function that `beyond_piece` returns."""
     low: Points
     """Lowest corner of the box around each piece (k, 3) [m]."""
     high: Points
     """Highest corner of the box around each piece (k, 3) [m]."""
-    hulls: Nearest | None
+    hull_distance: Nearest | None
     """Distances from the pieces that are not primitives; None without such pieces."""
     surfaces: tuple[Surface, ...]
     """Closed surface of each piece."""
@@ -49,10 +49,11 @@ class PieceUnion:
         owners = np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces])
         tree = BoxTree.of(joined_surface)
         normals = unit_normals(joined_surface)
-        hulls = [piece for piece in pieces if isinstance(piece, Surface)]
-        nearest = None
-        if hulls:
-            nearest = Nearest.of(tree if len(hulls) == len(surfaces) else BoxTree.of(join_surfaces(hulls)))
+        hull_pieces = [piece for piece in pieces if isinstance(piece, Surface)]
+        hull_distance = None
+        if hull_pieces:
+            has_only_hulls = len(hull_pieces) == len(surfaces)
+            hull_distance = Nearest.of(tree if has_only_hulls else BoxTree.of(join_surfaces(hull_pieces)))
         low = np.array([surface.vertices.min(axis=0) for surface in surfaces])
         high = np.array([surface.vertices.max(axis=0) for surface in surfaces])
         # The polyhedron of a primitive lies partly inside the primitive, so the boxes are widened.
@@ -65,11 +66,11 @@ class PieceUnion:
             tuple(map(beyond_piece, pieces)),
             low - slack,
             high + slack,
-            nearest,
+            hull_distance,
             surfaces,
         )
 
-    def corners(self, max_triangles: int) -> tuple[Corners, Indices, Points]:
+    def triangles(self, max_triangles: int) -> tuple[Corners, Indices, Points]:
         """Returns the triangles (m, 3, 3) of the pieces that have at most `max_triangles`, with each
         triangle's piece index and unit normal. Spheres and capsules are left out, since they have no
         corners."""
@@ -86,14 +87,15 @@ class PieceUnion:
         chosen_surface = join_surfaces(surfaces)
         return chosen_surface.corners, owners, unit_normals(chosen_surface)
 
-    def depth(self, points: Points, without: Indices | None = None) -> Numbers:
+    def depth(self, points: Points, ignored_piece: Indices | None = None) -> Numbers:
         """Returns how deep (n,) [m] each point (n, 3) is in the pieces: at most 0 outside them, and −inf
-        outside all their boxes. `without` (n,): for each point, the index of a piece that is ignored."""
+        outside all their boxes. `ignored_piece` (n,): index of the piece that is ignored for each
+        point."""
         result = np.full(len(points), -np.inf)
-        for index, beyond in enumerate(self.beyond):
+        for index, beyond in enumerate(self.distance_functions):
             in_box = ((points >= self.low[index]) & (points <= self.high[index])).all(axis=1)
-            if without is not None:
-                in_box &= without != index
+            if ignored_piece is not None:
+                in_box &= ignored_piece != index
             rows = np.flatnonzero(in_box)
             if len(rows):
                 result[rows] = np.maximum(result[rows], -beyond(points[rows]))
@@ -106,8 +108,8 @@ class PieceUnion:
         for piece in self.pieces:
             if isinstance(piece, Primitive):
                 distances = np.minimum(distances, signed_distance(piece, points))
-        if self.hulls is not None:
-            hull_distances, exact = self.hulls(points, exact_from)
+        if self.hull_distance is not None:
+            hull_distances, exact = self.hull_distance(points, exact_from)
             exact |= distances <= 0
             distances = np.minimum(distances, hull_distances)
         return np.maximum(distances, 0.0), exact

@@ -27,7 +27,7 @@ from linkwright.stages.robot.model.dofs import Spring as Spring
 from linkwright.stages.robot.model.dofs import Value as Value
 from linkwright.stages.robot.model.geom_form import PLAIN, GeomForm
 from linkwright.stages.robot.model.mjcf_extras import MjcfExtras
-from linkwright.stages.robot.model.semantics import NOTHING_MORE, RobotSemantics
+from linkwright.stages.robot.model.semantics import NO_SEMANTICS, RobotSemantics
 from linkwright.stages.robot.model.sensing import Sensor as Sensor
 from linkwright.stages.robot.model.transmission import Transmission as Transmission
 
@@ -292,7 +292,7 @@ class Robot:
     """Those of the source."""
     keyframes: tuple[Keyframe, ...] = ()
     """Poses that the user gives; `home` may be among them."""
-    semantics: RobotSemantics = NOTHING_MORE
+    semantics: RobotSemantics = NO_SEMANTICS
     """Content of the source's SRDF."""
     mjcf: MjcfExtras | None = None
     """Extras of an MJCF source."""

@@ -87,5 +87,5 @@ class RobotSemantics:
     virtual_joint: VirtualJoint | None = None
 
 
-NOTHING_MORE = RobotSemantics()
+NO_SEMANTICS = RobotSemantics()
 """The semantics of a robot without an SRDF."""

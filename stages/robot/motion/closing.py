@@ -19,9 +19,9 @@ from linkwright.stages.robot.motion.pose_batch import (
     chain_pose,
     cross,
     poses_and_frames,
-    product_of_quats,
+    quat_products,
     quats_from_vectors,
-    rotations_of_quats,
+    rotations_from_quats,
     vectors_from_rotations,
 )
 from linkwright.stages.robot.motion.tree_paths import TreePaths
@@ -159,13 +159,13 @@ class Closer:
         if self._kinds[name] != "ball":
             return (target - value)[:, None]
         back = value * [1, -1, -1, -1]
-        return vectors_from_rotations(rotations_of_quats(product_of_quats(back, target)))
+        return vectors_from_rotations(rotations_from_quats(quat_products(back, target)))
 
     def _apply_step(self, values: Values, step: Array) -> dict[str, Array]:
         moved_values = dict(values)
         for name, part in self._columns.items():
             if self._kinds[name] == "ball":
-                moved_values[name] = product_of_quats(values[name], quats_from_vectors(step[:, part]))
+                moved_values[name] = quat_products(values[name], quats_from_vectors(step[:, part]))
             else:
                 moved_values[name] = values[name] + step[:, part.start]
         for relation in self._relations:

@@ -88,7 +88,7 @@ def dof_transforms(dof: Dof, values: Values) -> Array:
     elif dof.kind == "turn":
         transforms[:, :3, :3] = rotations_from_vectors(value[:, None] * dof.axis)
     else:
-        transforms[:, :3, :3] = rotations_of_quats(value[:, -4:])
+        transforms[:, :3, :3] = rotations_from_quats(value[:, -4:])
         if dof.kind == "free":
             transforms[:, :3, 3] = value[:, :3]
     return transforms
@@ -96,7 +96,7 @@ def dof_transforms(dof: Dof, values: Values) -> Array:
 
 def rotations_from_vectors(vectors: Array) -> Array:
     """Returns the rotations (n, 3, 3) of rotation vectors (n, 3) [rad]."""
-    return rotations_of_quats(quats_from_vectors(vectors))
+    return rotations_from_quats(quats_from_vectors(vectors))
 
 
 def quats_from_vectors(vectors: Array) -> Array:
@@ -107,7 +107,7 @@ def quats_from_vectors(vectors: Array) -> Array:
     return quats
 
 
-def rotations_of_quats(quats: Array) -> Array:
+def rotations_from_quats(quats: Array) -> Array:
     """Returns the rotations (n, 3, 3) of quaternions (w, x, y, z) (n, 4), which need not have unit length."""
     w, x, y, z = (quats / np.linalg.norm(quats, axis=1)[:, None]).T
     rows = [
@@ -118,7 +118,7 @@ def rotations_of_quats(quats: Array) -> Array:
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-def product_of_quats(first: Array, second: Array) -> Array:
+def quat_products(first: Array, second: Array) -> Array:
     """Returns the products (n, 4) of quaternions (n, 4), by Hamilton's rule."""
     a, b = first[:, 0], second[:, 0]
     u, v = first[:, 1:], second[:, 1:]
@@ -126,14 +126,14 @@ def product_of_quats(first: Array, second: Array) -> Array:
     return np.column_stack([scalar, a[:, None] * v + b[:, None] * u + cross(u, v)])
 
 
-_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
+_NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
 """For each of x, y, z: the index of the next coordinate, and of the coordinate after that."""
 
 
 def cross(first: Array, second: Array) -> Array:
     """Returns the cross products (n, 3, ...) of vectors that lie along the second axis."""
     # np.cross, which takes any axes, costs ten times as much for a few hundred vectors.
-    product: Array = first[:, _NEXT] * second[:, _LAST] - first[:, _LAST] * second[:, _NEXT]
+    product: Array = first[:, _NEXT] * second[:, _AFTER_NEXT] - first[:, _AFTER_NEXT] * second[:, _NEXT]
     return product
 
 

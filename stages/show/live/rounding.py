@@ -16,9 +16,7 @@ def rounded(value: float) -> float:
     """Rounds a number to 12 significant digits, without a negative zero. Raises ExportError if it is not
     finite."""
     if not np.isfinite(value):
-        raise ExportError(
-            f"the compiled model has the number {value}, which cannot be shown", "report.html", ""
-        )
+        raise ExportError(f"the compiled model contains {value}, which cannot be shown", "report.html", "")
     return float(f"{float(value):.{_SIGNIFICANT_DIGITS}g}") + 0.0
 
 

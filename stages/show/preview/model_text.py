@@ -11,7 +11,7 @@ from linkwright.stages.formats.meshes.points import binary_stl, is_binary_stl
 from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, parse, to_bytes
 from linkwright.stages.mujoco.includes import resolve
-from linkwright.stages.mujoco.urdf import keep_all_links
+from linkwright.stages.mujoco.urdf import prepare_for_inspection
 from linkwright.stages.robot.errors import ProtocolError
 
 _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
@@ -119,7 +119,7 @@ def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[bytes, Mapping[str
     folder = path.rpartition("/")[0]
     root = parse(files[path])
     files = {**files, **_with_stl(root, folder, files)}
-    keep_all_links(root, lambda name: _path_among_files(name, folder, files))
+    prepare_for_inspection(root, lambda name: _path_among_files(name, folder, files))
     return to_bytes(root), files
 
 

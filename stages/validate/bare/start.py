@@ -14,7 +14,7 @@ from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_with_warnings, spec_of_mjcf, spec_of_text
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.mujoco.trial import trial_run
-from linkwright.stages.mujoco.urdf import keep_all_links
+from linkwright.stages.mujoco.urdf import prepare_for_inspection
 from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
 from linkwright.stages.robot.model.robot import Array
@@ -102,7 +102,7 @@ def _urdf_spec(document: ModelDocument) -> Any:
         path = paths.get(name)
         return str(path.resolve()) if path is not None and is_file(path) and _is_readable(path) else None
 
-    keep_all_links(root, path_of, visuals=False)
+    prepare_for_inspection(root, path_of, visuals=False)
     return spec_of_text(to_bytes(root), document.path.resolve().parent)
 
 

@@ -10,7 +10,7 @@ from linkwright.stages.formats.urdf.names import urdf_names
 from linkwright.stages.robot.dynamics.statics import GRAVITY
 from linkwright.stages.robot.model.poses import turns_from_rotation
 from linkwright.stages.robot.model.robot import Array, Robot
-from linkwright.stages.robot.motion.pose_batch import Values, rotations_of_quats
+from linkwright.stages.robot.motion.pose_batch import Values, rotations_from_quats
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dofs
 
 
@@ -56,7 +56,7 @@ def _configurations(pin: Any, model: Any, robot: Robot, values: Values) -> Array
         numbers = values[dof.name]
         columns = {dof.name: numbers}
         if dof.kind == "ball":
-            angles = np.array([turns_from_rotation(rotation) for rotation in rotations_of_quats(numbers)])
+            angles = np.array([turns_from_rotation(rotation) for rotation in rotations_from_quats(numbers)])
             columns = dict(zip(turns[dof.name], angles.T, strict=True))
         for name, column in columns.items():
             joint = model.joints[model.getJointId(name)]

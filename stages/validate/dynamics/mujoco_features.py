@@ -30,12 +30,12 @@ _ROUNDING = 1e-12
 """Relative error of a tensor that rounding alone may cause."""
 
 _SOLID = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-_MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
+_MIMIC_URDF = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
 <joint name="p" type="continuous"><parent link="a"/><child link="b"/></joint>
 <joint name="q" type="continuous"><parent link="a"/><child link="c"/><mimic joint="p"/></joint></robot>"""
 
 
-def axes_error(size: float) -> float:
+def principal_axes_error(size: float) -> float:
     """Returns the relative error that MuJoCo's search for principal axes may leave in an inertia tensor; 0 if
     the error is only rounding. `size`: the largest entry of the tensor [kg m²].
 
@@ -47,24 +47,25 @@ def axes_error(size: float) -> float:
 
 @functools.cache
 def _largest_error(exponent: int) -> float:
-    worst = max(_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
+    worst = max(_diagonalization_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
     return _PROBE_MARGIN * worst if worst > _ROUNDING else 0.0
 
 
-def _error(moments: Array, quat: Array) -> float:
+def _diagonalization_error(moments: Array, quat: Array) -> float:
     """Returns the relative error of a tensor that MuJoCo splits into principal moments and axes."""
-    turn = rotation(quat / np.linalg.norm(quat))
-    tensor = turn @ np.diag(moments) @ turn.T
+    axes_rotation = rotation(quat / np.linalg.norm(quat))
+    tensor = axes_rotation @ np.diag(moments) @ axes_rotation.T
     actual_moments, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
     mujoco.mju_eig3(actual_moments, vectors, axes, tensor.ravel())
-    turn = rotation(axes)
-    return float(np.abs(turn @ np.diag(actual_moments) @ turn.T - tensor).max() / np.abs(tensor).max())
+    actual_rotation = rotation(axes)
+    actual_tensor = actual_rotation @ np.diag(actual_moments) @ actual_rotation.T
+    return float(np.abs(actual_tensor - tensor).max() / np.abs(tensor).max())
 
 
 @functools.cache
 def reads_mimic() -> bool:
     """Tells whether MuJoCo turns a URDF's <mimic> into an equality, as it does since 3.13."""
-    return bool(compiled_text(_MIMIC.encode(), {}).neq)
+    return bool(compiled_text(_MIMIC_URDF.encode(), {}).neq)
 
 
 def mimics(model: Any, urdf: bytes) -> dict[tuple[int, int], Array]:

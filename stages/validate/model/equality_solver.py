@@ -15,10 +15,10 @@ _MAX_ITERATIONS = 6
 EQUALITY_TOLERANCE = 1e-5
 """Tolerance of equalities [m, rad], which is exact enough for collisions."""
 
-ZERO_COLUMN = 1e-9
+MIN_COLUMN_ENTRY = 1e-9
 """A dof does not move an equality if all entries of its column in the equalities' Jacobian are below this."""
 
-_MIN_SINGULAR_VALUE = 1e-9
+_MIN_SINGULAR_VALUE_SHARE = 1e-9
 """Singular values of the Jacobian below this share of the largest are only rounding: equalities may be
 redundant."""
 
@@ -40,29 +40,29 @@ class EqualitySolver:
     def __post_init__(self) -> None:
         self._data = mujoco.MjData(self.model)
 
-    def solve(self, joint: int, value: float, near: Array) -> Array | None:
+    def solve(self, joint: int, value: float, start: Array) -> Array | None:
         """Returns a pose (nq,) with a joint at `value` and closed equalities, found by small changes of the
-        other joints from the pose `near`. Returns None if the equalities cannot be closed."""
+        other joints from the pose `start`. Returns None if the equalities cannot be closed."""
         model, data = self.model, self._data
-        pose = near.copy()
+        pose = start.copy()
         pose[model.jnt_qposadr[joint]] = value
         if not model.neq:
             return pose
         dof = int(model.jnt_dofadr[joint])
         for _ in range(_MAX_ITERATIONS):
-            jacobian, error = equalities(model, data, pose)
+            jacobian, error = jacobian_and_errors(model, data, pose)
             if np.abs(error).max(initial=0.0) < EQUALITY_TOLERANCE:
                 return pose
             # The joint stays at its value.
             jacobian[:, dof] = 0.0
-            step = -np.linalg.lstsq(jacobian, error, rcond=_MIN_SINGULAR_VALUE)[0]
+            step = -np.linalg.lstsq(jacobian, error, rcond=_MIN_SINGULAR_VALUE_SHARE)[0]
             step[dof] = 0.0
             mujoco.mj_integratePos(model, pose, step, 1.0)
-        _, error = equalities(model, data, pose)
+        _, error = jacobian_and_errors(model, data, pose)
         return pose if np.abs(error).max(initial=0.0) < EQUALITY_TOLERANCE else None
 
 
-def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
+def jacobian_and_errors(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
     """Returns the Jacobian (E, nv) of the equalities at a pose, and their errors (E,)."""
     data.qpos[:] = pose
     flags, model.opt.disableflags = model.opt.disableflags, model.opt.disableflags | _DISABLED_CONSTRAINTS
@@ -84,18 +84,18 @@ def equalities(model: Any, data: Any, pose: Array) -> tuple[Array, Array]:
 def swept_joints(model: Any, pose: Array) -> list[int]:
     """Returns the hinges, and the slides that have limits. Of joints that equalities couple, only the driven
     joints are returned, or, if none is driven, those that follow no relation."""
-    scalar = [
+    scalar_joints = [
         joint
         for joint in range(model.njnt)
         if model.jnt_type[joint] == HINGE or (model.jnt_type[joint] == SLIDE and model.jnt_limited[joint])
     ]
     if not model.neq:
-        return scalar
-    jacobian = equalities(model, mujoco.MjData(model), pose)[0]
-    coupled_dofs = np.abs(jacobian).max(axis=0, initial=0.0) > ZERO_COLUMN
+        return scalar_joints
+    jacobian, _ = jacobian_and_errors(model, mujoco.MjData(model), pose)
+    coupled_dofs = np.abs(jacobian).max(axis=0, initial=0.0) > MIN_COLUMN_ENTRY
     driven = {int(joint) for joint in model.actuator_trnid[:, 0]} if model.nu else set()
     relations = model.eq_type == mujoco.mjtEq.mjEQ_JOINT
     followers = {int(joint) for joint in model.eq_obj1id[relations]}
-    coupled_joints = {joint for joint in scalar if coupled_dofs[model.jnt_dofadr[joint]]}
+    coupled_joints = {joint for joint in scalar_joints if coupled_dofs[model.jnt_dofadr[joint]]}
     independent = (coupled_joints & driven) or (coupled_joints - followers)
-    return [joint for joint in scalar if joint not in coupled_joints or joint in independent]
+    return [joint for joint in scalar_joints if joint not in coupled_joints or joint in independent]

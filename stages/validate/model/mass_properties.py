@@ -28,15 +28,17 @@ class MassProperties(NamedTuple):
     """Inertia (3, 3) [kg m²] about the centre of mass."""
 
 
-def differences(actual: MassProperties, expected: MassProperties, allowed: float = 0.0) -> dict[str, float]:
-    """Returns the difference of each quantity, in the units of `UNITS`. `allowed`: the relative error of the
-    inertia that is ignored."""
+def differences(
+    actual: MassProperties, expected: MassProperties, inertia_allowance: float = 0.0
+) -> dict[str, float]:
+    """Returns the difference of each quantity, in the units of `UNITS`. `inertia_allowance`: the relative
+    error of the inertia that is ignored."""
     largest_entry = float(np.abs(expected.inertia).max()) or 1.0
     tensor_error = float(np.abs(actual.inertia - expected.inertia).max()) / largest_entry
     return {
         "mass": abs(actual.mass - expected.mass) / (expected.mass or 1.0),
         "centre of mass": float(np.linalg.norm(actual.com - expected.com)) if expected.mass else 0.0,
-        "inertia": max(0.0, tensor_error - allowed),
+        "inertia": max(0.0, tensor_error - inertia_allowance),
     }
 
 
@@ -58,11 +60,11 @@ def _of_inertial(inertial: Inertial) -> MassProperties:
     return MassProperties(inertial.mass, inertial.com, inertial.inertia)
 
 
-def moved(body: MassProperties, a_from_b: Array) -> MassProperties:
+def moved(properties: MassProperties, a_from_b: Array) -> MassProperties:
     """Returns mass properties in the frame b, expressed in the frame a."""
     rotation = a_from_b[:3, :3]
-    com = rotation @ body.com + a_from_b[:3, 3]
-    return MassProperties(body.mass, com, rotation @ body.inertia @ rotation.T)
+    com = rotation @ properties.com + a_from_b[:3, 3]
+    return MassProperties(properties.mass, com, rotation @ properties.inertia @ rotation.T)
 
 
 def merged(bodies: Sequence[MassProperties]) -> MassProperties:

@@ -82,9 +82,9 @@ class ReadMjcf(ReadCompiled):
         self._carriers = carriers(self.model, self.robot)
         self._start = starting_point(self.robot)
 
-    def element(self, tag: ElementKind, name: str) -> str:
+    def element(self, kind: ElementKind, name: str) -> str:
         tags = {"link": "body", "frame": "site"}
-        return named(tags.get(tag, "joint"), name)
+        return named(tags.get(kind, "joint"), name)
 
     def placed(self, joint: Joint) -> str:
         return link(joint.child, urdf=False)

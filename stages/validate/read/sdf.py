@@ -102,11 +102,11 @@ class ReadSdf(ReadRobot):
             values |= closing_values(loop, relative_pose(loop, placed))
         return values
 
-    def element(self, tag: ElementKind, name: str) -> str:
-        if tag == "relation":
+    def element(self, kind: ElementKind, name: str) -> str:
+        if kind == "relation":
             name = next(relation.follower for relation in self.robot.relations if relation.name == name)
-        names = {"link": self.names.links, "frame": self.names.frames}.get(tag, self.names.joints)
-        return named("joint" if tag == "relation" else tag, names.get(name, name))
+        names = {"link": self.names.links, "frame": self.names.frames}.get(kind, self.names.joints)
+        return named("joint" if kind == "relation" else kind, names.get(name, name))
 
     def names_found(self) -> Names:
         model = self.model

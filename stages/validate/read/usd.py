@@ -86,8 +86,8 @@ class ReadUsd(ReadRobot):
         }
         self._zeros = ball_zeros(self.robot, self.file_configuration)
 
-    def element(self, tag: ElementKind, name: str) -> str:
-        names = self.names.links if tag == "link" else self.names.joints
+    def element(self, kind: ElementKind, name: str) -> str:
+        names = self.names.links if kind == "link" else self.names.joints
         return named("def", names.get(name, name))
 
     def names_found(self) -> Names:

@@ -10,7 +10,7 @@ from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.coordinates import BALL, FREE
-from linkwright.stages.validate.model.equality_solver import equalities
+from linkwright.stages.validate.model.equality_solver import jacobian_and_errors
 from linkwright.stages.validate.model.shapes import reach
 from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 
@@ -98,7 +98,7 @@ def _free(finished: FinishedRobot) -> int:
     the rank of the equalities."""
     model = finished.model
     passive = 6 * int((model.jnt_type == FREE).sum())
-    jacobian, _ = equalities(model, mujoco.MjData(model), finished.home.qpos)
+    jacobian, _ = jacobian_and_errors(model, mujoco.MjData(model), finished.home.qpos)
     sizes = np.linalg.svd(jacobian, compute_uv=False) if len(jacobian) else np.zeros(0)
     return int(model.nv - passive - (sizes > MIN_SINGULAR_VALUE).sum())
 

@@ -185,9 +185,9 @@ class ReadRobot(Protocol):
         """Returns the names that the file must have."""
         return {}
 
-    def element(self, tag: ElementKind, name: str) -> str:
+    def element(self, kind: ElementKind, name: str) -> str:
         """Returns the title, in findings, of a link, of the joint of a dof, of a frame or of a relation."""
-        return named("joint" if tag == "relation" else tag, name)
+        return named("joint" if kind == "relation" else kind, name)
 
     def placed(self, joint: Joint) -> str:
         """Returns the title of the element that places the child of a joint."""

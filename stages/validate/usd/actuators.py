@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from linkwright.stages.formats.usd.actuator_facts import ActuatorFacts, known_actuators
+from linkwright.stages.formats.usd.actuator_facts import ActuatorAttributes, supported_actuators
 from linkwright.stages.formats.usd.joint_facts import MUJOCO
 from linkwright.stages.formats.usd.names import UsdNames
 from linkwright.stages.robot.check import Finding
@@ -52,7 +52,9 @@ def actuators(
     """Yields the differences of each actuator that the schema knows, and the actuators that must not
     exist."""
     dofs = {dof.name for joint in robot.joints for dof in joint.dofs if dof.kind in ("turn", "slide")}
-    expected_values = {name: (actuator, facts) for name, actuator, facts in known_actuators(expected, dofs)}
+    expected_values = {
+        name: (actuator, attributes) for name, actuator, attributes in supported_actuators(expected, dofs)
+    }
     for name in sorted(read.keys() | expected_values.keys()):
         element = named("def", name)
         if name not in read or name not in expected_values:
@@ -61,15 +63,17 @@ def actuators(
             )
             yield Finding(element, "MjcActuator", message)
             continue
-        actuator, facts = expected_values[name]
+        actuator, attributes = expected_values[name]
         joint = names.joints[actuator.dof]
         if read[name].joint != joint:
             yield differs(element, TARGET, read[name].joint or "none", joint)
-        yield from _differences(element, read[name].values, facts)
+        yield from _differences(element, read[name].values, attributes)
 
 
-def _differences(element: str, read: Mapping[str, Value], facts: ActuatorFacts) -> Iterator[Finding]:
-    expected_values: dict[str, Value] = {**facts.numbers, **facts.tokens, **facts.arrays}
+def _differences(
+    element: str, read: Mapping[str, Value], attributes: ActuatorAttributes
+) -> Iterator[Finding]:
+    expected_values: dict[str, Value] = {**attributes.numbers, **attributes.tokens, **attributes.arrays}
     for attribute in sorted(read.keys() | expected_values.keys()):
         if not _is_same(read.get(attribute), expected_values.get(attribute)):
             yield differs(element, attribute, read.get(attribute), expected_values.get(attribute))

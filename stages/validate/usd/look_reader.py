@@ -25,7 +25,7 @@ class ReadUsdLook:
     image: str = ""
     """The path of the image in the file; "" without an image."""
 
-    display: tuple[float, ...] = ()
+    display_colour: tuple[float, ...] = ()
     """The colour of renderers without materials; () if missing."""
 
     friction: Mapping[str, float] = field(default_factory=dict)

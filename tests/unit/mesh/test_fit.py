@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.stages.formats.meshes.surface import Surface, transform_surface
 from linkwright.stages.mesh.fit import CHEAPEST, allowed_kinds, best_primitive, fit_kind, fits
-from linkwright.stages.mesh.measure import Target, measure
+from linkwright.stages.mesh.measure import MeasuredPart, measure
 from linkwright.stages.mesh.surfaces.pieces import placed, signed_distance
 from linkwright.stages.robot.model.robot import Primitive, frozen
 from linkwright.stages.targets.engines import shape_limits
@@ -182,7 +182,7 @@ def test_flat_part_has_no_fit():
     ids=["bracket", "block", "gear", "rod"],
 )
 def test_error_is_about_that_of_the_measures(surface):
-    target = Target.of(surface)
+    target = MeasuredPart.of(surface)
     for fitted in fits(surface):
         measures = measure(target, [fitted.primitive])
         error = max(measures.protrusion_p95, measures.protrusion_max / 3, measures.bareness_max)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.formats.meshes.surface import Surface, transform_surface, weld
-from linkwright.stages.mesh.measure import Target, is_hopeless, is_near, measure
+from linkwright.stages.mesh.measure import MeasuredPart, is_hopeless, is_near, measure
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.mesh.surfaces.pieces import placed, surface_of
 from linkwright.stages.robot.model.robot import Primitive
@@ -29,7 +29,7 @@ SEEDS = st.integers(0, 10_000)
 
 
 def judged(part, *pieces):
-    return measure(Target.of(part), pieces)
+    return measure(MeasuredPart.of(part), pieces)
 
 
 OVERLAPPING = joined(box(0.1, 0.1, 0.1), box(0.1, 0.1, 0.1, at=(0.05, 0, 0)))
@@ -108,12 +108,12 @@ def test_neither_order_nor_repetition_matters():
     part = of_mesh(trimesh.creation.torus(0.1, 0.03))
     pieces = [Primitive("capsule", (0.03, 0.05), at(0.1, 0, 0)), Primitive("sphere", (0.04,), at(-0.1, 0, 0))]
     pieces += [box(0.1, 0.05, 0.05, at=(0, y, 0)) for y in (0.1, -0.1)]
-    target = Target.of(part)
+    target = MeasuredPart.of(part)
     assert measure(target, pieces) == measure(target, pieces[::-1]) == judged(part, *pieces)
 
 
 def test_larger_collider_protrudes_more_and_bares_less():
-    target = Target.of(box(0.2, 0.1, 0.05))
+    target = MeasuredPart.of(box(0.2, 0.1, 0.05))
     ladder = [measure(target, [box(0.2 + g, 0.1 + g, 0.05 + g)]) for g in (-0.02, 0.0, 0.02)]
     for small, large in itertools.pairwise(ladder):
         for name in ("extra", "protrusion_p95", "protrusion_max"):
@@ -218,7 +218,7 @@ def test_place_and_size_do_not_matter(seed, scale):
 @pytest.mark.parametrize("far", [-0.02, -0.011, -0.005, 0.0, 0.009, 0.011, 0.02])
 def test_pieces_are_hopeless_where_they_miss_by_far(far):
     piece = box(1 + 2 * far, 1 + 2 * far, 1 + 2 * far)
-    assert is_hopeless(Target.of(box(1, 1, 1)), [piece], 0.01) == (abs(far) > 0.01)
+    assert is_hopeless(MeasuredPart.of(box(1, 1, 1)), [piece], 0.01) == (abs(far) > 0.01)
 
 
 @pytest.mark.slow
@@ -226,7 +226,7 @@ def test_pieces_are_hopeless_where_they_miss_by_far(far):
 @given(SEEDS, st.integers(1, 4), st.floats(0.001, 0.5))
 def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
     random = np.random.default_rng(seed)
-    target, pieces = Target.of(random_part(random)), random_hulls(random, count)
+    target, pieces = MeasuredPart.of(random_part(random)), random_hulls(random, count)
     if is_hopeless(target, pieces, tolerance):
         measures = measure(target, pieces)
         worst = max(measures.bareness_max, measures.protrusion_p95, measures.protrusion_max / 3)
@@ -239,7 +239,7 @@ def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
 def test_near_agrees_with_measure(seed, count, three_times):
     """A tolerance on either side of what is measured, by the precision of a maximum."""
     random = np.random.default_rng(seed)
-    target, pieces = Target.of(random_part(random)), random_hulls(random, count)
+    target, pieces = MeasuredPart.of(random_part(random)), random_hulls(random, count)
     times = 3.0 if three_times else 1.0
     measures = measure(target, pieces)
     worst = max(measures.bareness_max, measures.protrusion_p95, measures.protrusion_max / times)
@@ -255,7 +255,7 @@ def test_near_agrees_with_measure(seed, count, three_times):
 )
 def test_pieces_that_reach_far_or_leave_much_bare_are_not_near(beyond, bare, expected):
     piece = box(1 + beyond - bare, 1, 1, at=((beyond + bare) / 2, 0, 0))
-    assert is_near(Target.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
+    assert is_near(MeasuredPart.of(box(1, 1, 1)), [piece], 0.01, 0.01) is expected
 
 
 @pytest.mark.slow
@@ -276,7 +276,7 @@ def test_open_part_is_judged_by_sampling_and_hardly_differently():
 
 
 def test_volume_of_overlapping_solids_counts_once():
-    assert Target.of(OVERLAPPING).volume == pytest.approx(0.0015)
+    assert MeasuredPart.of(OVERLAPPING).volume == pytest.approx(0.0015)
 
 
 def test_solids_that_share_an_edge_are_judged_by_booleans():
@@ -300,7 +300,7 @@ def test_sheet_has_no_inside():
 def test_tangle_is_an_error_and_not_a_wait():
     corners = np.random.default_rng(1).uniform(size=(150_000, 3))
     with pytest.raises(ValueError, match="too many of its faces overlap"):
-        Target.of(Surface(corners, np.arange(150_000).reshape(-1, 3)))
+        MeasuredPart.of(Surface(corners, np.arange(150_000).reshape(-1, 3)))
     few = Surface(corners[:300], np.arange(300).reshape(-1, 3))
     assert judged(few, box(1, 1, 1, at=(0.5, 0.5, 0.5))).bareness_max == 0
 
@@ -315,4 +315,4 @@ def test_nothing_to_measure_is_an_error():
         (np.zeros((3, 3)), triangle),
     ):
         with pytest.raises(ValueError, match="cannot be measured"):
-            Target.of(Surface(points, triangles))
+            MeasuredPart.of(Surface(points, triangles))

@@ -20,12 +20,12 @@ def cleaned(data: bytes) -> bytes:
     for name in ("instance_camera", "instance_light", "extra", "newparam"):
         _remove(list(root.iter(f"{{*}}{name}")))
     for texture in list(root.iter("{*}texture")):
-        _without_image(texture)
-    _remove_broken(root)
+        _replace_image(texture)
+    _remove_incomplete_materials(root)
     return xml.to_bytes(root)
 
 
-def _without_image(texture: Element) -> None:
+def _replace_image(texture: Element) -> None:
     """Replaces the image of a diffuse colour by white; removes each other use of an image."""
     channel = texture.getparent()
     namespace, _, name = str(channel.tag).rpartition("}")
@@ -37,7 +37,7 @@ def _without_image(texture: Element) -> None:
         channel.getparent().remove(channel)
 
 
-def _remove_broken(root: Element) -> None:
+def _remove_incomplete_materials(root: Element) -> None:
     """Removes materials without an effect, and every use of an undefined material."""
     effects = {effect.get("id") for effect in root.iter("{*}effect")}
     materials = set()

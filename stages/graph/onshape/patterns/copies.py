@@ -111,6 +111,8 @@ def _supported_copies(
     supported_copies = set()
     for level in {owner, support_level}:
         for copy in copies:
-            if (level, copy) in search.touching and search.holds(copy, owner, level, members):
+            if (level, copy) in search.features_by_instance and search.is_supported(
+                copy, owner, level, members
+            ):
                 supported_copies.add(copy)
     return supported_copies

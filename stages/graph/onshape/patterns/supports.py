@@ -56,18 +56,18 @@ class SupportSearch:
     features: dict[Path, list[Feature]]
     """Assembly → its features."""
 
-    touching: dict[tuple[Path, Path], list[Feature]]
+    features_by_instance: dict[tuple[Path, Path], list[Feature]]
     """(assembly, instance in it) → the features of the assembly that connect an occurrence in the
     instance."""
 
-    fixed: dict[Path, list[Path]]
+    fixed_instances: dict[Path, list[Path]]
     """Assembly → the fixed instances in it."""
 
-    parts: Counter[Path]
+    part_counts: Counter[Path]
     """Instance → the number of parts in it."""
 
     def __init__(self, assembly: Assembly) -> None:
-        self.features, self.touching, self.fixed = {}, {}, {}
+        self.features, self.features_by_instance, self.fixed_instances = {}, {}, {}
         for mate in assembly.mates:
             occurrences = tuple(entity.path for entity in mate.entities)
             self._add_feature(mate.ref.owner, Feature(mate.title, occurrences, mate.ref.type == "FASTENED"))
@@ -75,8 +75,8 @@ class SupportSearch:
             self._add_feature(group.owner, Feature(group.title, tuple(group.members), True))
         for path in (path for path, occurrence in assembly.occurrences.items() if occurrence.fixed):
             for depth in range(len(path)):
-                self.fixed.setdefault(path[:depth], []).append(path)
-        self.parts = Counter(
+                self.fixed_instances.setdefault(path[:depth], []).append(path)
+        self.part_counts = Counter(
             part.path[:depth] for part in assembly.parts for depth in range(1, len(part.path) + 1)
         )
 
@@ -88,17 +88,18 @@ class SupportSearch:
             for depth in range(len(owner) + 1, len(occurrence) + 1)
         }
         for path in sorted(paths_below):
-            self.touching.setdefault((owner, path), []).append(feature)
+            self.features_by_instance.setdefault((owner, path), []).append(feature)
 
-    def support(self, seeds: Collection[Path], owner: Path, rigid: Collection[Path]) -> Support:
+    def support(self, seeds: Collection[Path], owner: Path, rigid_assemblies: Collection[Path]) -> Support:
         """Returns the support of `seeds`, which are instances of `owner`.
 
         The features of `owner` decide. If none of them holds a seed, the features of the nearest enclosing
-        assembly with such a feature decide. `rigid`: assemblies without inner motion, including copies.
+        assembly with such a feature decide. `rigid_assemblies`: assemblies without inner motion, including
+        copies.
         """
-        return _SeedSearch(self, frozenset(seeds), owner, rigid).support()
+        return _SeedSearch(self, frozenset(seeds), owner, rigid_assemblies).support()
 
-    def holds(self, copy: Path, owner: Path, level: Path, members: Collection[Path]) -> bool:
+    def is_supported(self, copy: Path, owner: Path, level: Path, members: Collection[Path]) -> bool:
         """Tells whether features of `level` support `copy`, an instance of `owner`.
 
         They do if they join it to a piece that contains the origin, or another of the `members` (seeds and
@@ -109,7 +110,7 @@ class SupportSearch:
         supporting_pieces = {pieces[level], *(pieces[member] for member in members if member != copy)}
         return any(
             pieces[node] in supporting_pieces
-            for feature in self.touching[level, copy]
+            for feature in self.features_by_instance[level, copy]
             for node in _nodes(feature, owner, [copy])
         )
 
@@ -120,7 +121,7 @@ class SupportSearch:
         for depth in range(len(level), len(owner) + 1):
             for feature in self.features.get(owner[:depth], ()):
                 pieces.union(*_nodes(feature, owner, excluded))
-        for path in self.fixed.get(level, ()):
+        for path in self.fixed_instances.get(level, ()):
             if not _inside(path, excluded):
                 pieces.union(level, node_of(path, owner))
         return pieces
@@ -134,13 +135,17 @@ class _SeedSearch:
     seeds: frozenset[Path]
     owner: Path
     """The assembly of the pattern, whose instances the seeds are."""
-    rigid: Collection[Path]
+    rigid_assemblies: Collection[Path]
     """Assemblies without inner motion."""
 
     def support(self) -> Support:
         """Returns the support (see `SupportSearch.support`)."""
         owner = self.owner
-        levels = [owner] if owner in self.rigid else [owner[:depth] for depth in range(len(owner), -1, -1)]
+        levels = (
+            [owner]
+            if owner in self.rigid_assemblies
+            else [owner[:depth] for depth in range(len(owner), -1, -1)]
+        )
         features_by_level = {level: tuple(self._holding_features(level)) for level in levels}
         level = next((level for level in levels if features_by_level[level]), owner)
         dependents = self._dependents(level)
@@ -157,7 +162,7 @@ class _SeedSearch:
     def _holding_features(self, level: Path) -> Iterator[Feature]:
         """Yields the features of `level` between a seed and an occurrence outside all seeds."""
         for seed in sorted(self.seeds):
-            for feature in self.search.touching.get((level, seed), ()):
+            for feature in self.search.features_by_instance.get((level, seed), ()):
                 if _outside(feature.occurrences, self.seeds):
                     yield feature
 
@@ -173,28 +178,38 @@ class _SeedSearch:
         ]
         if not rigid_features or all(feature.rigid for feature in holding):
             return frozenset()
-        features = self.search.features
-        bodies = nx.utils.UnionFind()
-        for assembly in features:
-            if assembly in (self.owner, level) or _inside(assembly, self.seeds):
-                for feature in features[assembly]:
-                    if feature.rigid:
-                        bodies.union(*self._bodies_in_seeds(feature).values())
-        supported = {
-            bodies[body] for feature in rigid_features for body in self._bodies_in_seeds(feature).values()
+        rigid_groups = self._rigid_groups(level)
+        supported_groups = {
+            rigid_groups[body]
+            for feature in rigid_features
+            for body in self._bodies_in_seeds(feature).values()
         }
         return frozenset(
             occurrence
             for feature in holding
             for occurrence, body in self._bodies_in_seeds(feature).items()
-            if bodies[body] in supported
+            if rigid_groups[body] in supported_groups
         )
+
+    def _rigid_groups(self, level: Path) -> nx.utils.UnionFind:
+        """Returns the groups of bodies in the seeds (see `_bodies_in_seeds`) that rigid features join."""
+        groups = nx.utils.UnionFind()
+        for assembly, features in self.search.features.items():
+            if assembly in (self.owner, level) or _inside(assembly, self.seeds):
+                for feature in features:
+                    if feature.rigid:
+                        groups.union(*self._bodies_in_seeds(feature).values())
+        return groups
 
     def _bodies_in_seeds(self, feature: Feature) -> dict[Path, Path]:
         """Maps each occurrence in a seed to the rigid assembly around it, or to itself."""
         return {
             occurrence: next(
-                (occurrence[:depth] for depth in range(len(occurrence)) if occurrence[:depth] in self.rigid),
+                (
+                    occurrence[:depth]
+                    for depth in range(len(occurrence))
+                    if occurrence[:depth] in self.rigid_assemblies
+                ),
                 occurrence,
             )
             for occurrence in feature.occurrences
@@ -207,23 +222,31 @@ class _SeedSearch:
         neighbours = {
             node
             for seed in self.seeds
-            for feature in self.search.touching.get((level, seed), ())
+            for feature in self.search.features_by_instance.get((level, seed), ())
             for node in _nodes(feature, self.owner, self.seeds)
         }
         if len(neighbours) < 2:
             return frozenset()
         pieces = self.search.pieces(self.seeds, self.owner, level)
-        support = pieces[level]
-        if all(pieces[node] != support for node in neighbours):
-            # No neighbour is joined to the origin: the piece with the most parts is the support.
-            sizes = Counter({pieces[node]: 0 for node in neighbours})
-            for node in list(pieces):
-                if pieces[node] in sizes:
-                    sizes[pieces[node]] += self.search.parts[node]
-            (support, size), *runners_up = sizes.most_common(2)
-            if runners_up and runners_up[0][1] == size:
-                return frozenset()
-        return frozenset(node for node in neighbours if pieces[node] != support)
+        support_piece = self._support_piece(pieces, neighbours, level)
+        if support_piece is None:
+            return frozenset()
+        return frozenset(node for node in neighbours if pieces[node] != support_piece)
+
+    def _support_piece(
+        self, pieces: nx.utils.UnionFind, neighbours: Collection[Path], level: Path
+    ) -> Path | None:
+        """Returns the piece that is the support: the piece that contains the origin if a neighbour is in it,
+        else the piece with the most parts; None if two pieces have the most parts."""
+        origin_piece: Path = pieces[level]
+        if any(pieces[node] == origin_piece for node in neighbours):
+            return origin_piece
+        sizes = Counter({pieces[node]: 0 for node in neighbours})
+        for node in list(pieces):
+            if pieces[node] in sizes:
+                sizes[pieces[node]] += self.search.part_counts[node]
+        (largest, size), *runners_up = sizes.most_common(2)
+        return None if runners_up and runners_up[0][1] == size else largest
 
 
 def node_of(occurrence: Path, owner: Path) -> Path:

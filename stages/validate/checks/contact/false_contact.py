@@ -11,7 +11,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import PairErrors, contact_errors
 from linkwright.stages.validate.findings import few, named
 
-POSES = 300
+MAX_POSES = 300
 """Largest number of poses sampled in the robot's range, in addition to `home`."""
 
 MAX_LINK_POSES, MIN_POSES = 20_000, 4
@@ -48,28 +48,28 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     if any(TAGS & {*change.sets, *change.added_tags} for change in compiled.written.amendments.changes):
         return
-    poses = max(MIN_POSES, min(POSES, MAX_LINK_POSES // len(compiled.robot.links)))
+    poses = max(MIN_POSES, min(MAX_POSES, MAX_LINK_POSES // len(compiled.robot.links)))
     errors = contact_errors(compiled, poses)
     worst = sorted(errors.pairs, key=lambda pair: -max(pair.false_count, pair.missed_count))
-    wrong = [pair for pair in worst if _is_wrong(pair, errors.pose_count)]
+    reported = [pair for pair in worst if _is_reported(pair, errors.pose_count)]
     is_error = any(
-        _share(pair, errors.pose_count) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in wrong
+        _share(pair, errors.pose_count) > ERROR_SHARE and not _is_chosen(compiled, pair) for pair in reported
     )
-    sample = f"{count(errors.body_count, 'link')} in {count(errors.pose_count, 'pose')} and at home"
-    detail = f"{sample}: colliders touch exactly where visual shapes do"
-    if wrong:
+    sample_text = f"{count(errors.body_count, 'link')} in {count(errors.pose_count, 'pose')} and at home"
+    detail = f"{sample_text}: colliders touch exactly where visual shapes do"
+    if reported:
         detail = (
-            f"{count(len(wrong), 'pair')} of links touch where their visual shapes do not, or pass through "
-            f"each other where these touch ({sample})"
+            f"{count(len(reported), 'pair')} of links collide although their visual shapes are apart, or do "
+            f"not collide although these touch ({sample_text})"
         )
-    findings = few(_finding(compiled.model, pair, errors.pose_count) for pair in wrong)
+    findings = few(_finding(compiled.model, pair, errors.pose_count) for pair in reported)
     level: CheckLevel = "error" if is_error else "warning"
-    result = compiled.within("false contacts", float(len(wrong)), 0.0, detail, findings, level)
+    result = compiled.within("false contacts", float(len(reported)), 0.0, detail, findings, level)
     rows = tuple(_row(compiled.model, pair, errors.pose_count) for pair in worst)
     yield replace(result, table=Table(HEADER, rows) if rows else None)
 
 
-def _is_wrong(pair: PairErrors, poses: int) -> bool:
+def _is_reported(pair: PairErrors, poses: int) -> bool:
     """Tells whether a pair is reported."""
     wrong_poses = max(pair.false_count, pair.missed_count)
     return pair.reason not in CHOSEN_REASONS and (

@@ -54,7 +54,9 @@ def _ratio_check(compiled: CompiledModel, bodies: Sequence[int]) -> Iterator[Che
 def _light_check(compiled: CompiledModel, bodies: Sequence[int]) -> Check:
     masses = {body: float(compiled.model.body_mass[body]) for body in bodies}
     light = [body for body in bodies if masses[body] < MIN_MASS and not _is_intended(compiled, body)]
-    detail = f"mass [kg] of the lightest body; less than {MIN_MASS:g} is accepted only where CAD says so"
+    detail = (
+        f"mass [kg] of the lightest body; less than {MIN_MASS:g} is accepted only if the link is as light"
+    )
     findings = [_light_finding(compiled.model, body) for body in light]
     smallest = min(masses.values())
     return compiled.result("light bodies", not light, detail, smallest, MIN_MASS, findings, "warning")
@@ -80,7 +82,7 @@ def _ratio_finding(model: Any, pair: _NeighbourPair) -> Finding:
 
 def _light_finding(model: Any, body: int) -> Finding:
     mass = float(model.body_mass[body])
-    message = f"its mass is {mass:.3g} kg, and the robot has no link of this name and mass"
+    message = f"its mass is {mass:.3g} kg, which no link of this name has"
     return Finding(named("body", model.body(body).name), "inertial mass", message)
 
 

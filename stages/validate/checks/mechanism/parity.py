@@ -24,7 +24,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.dynamics.in_mujoco import in_mujoco
 from linkwright.stages.validate.dynamics.in_pinocchio import in_pinocchio, installed
 from linkwright.stages.validate.dynamics.mass_probes import own_sizes, probes
-from linkwright.stages.validate.dynamics.mujoco_features import axes_error
+from linkwright.stages.validate.dynamics.mujoco_features import principal_axes_error
 from linkwright.stages.validate.dynamics.random_poses import samples
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot, scalar_dofs
 from linkwright.stages.validate.findings import link, named, shown, worst_first
@@ -144,7 +144,7 @@ def _axes_change(robot: Robot) -> float:
     """Returns the largest change [kg m²] of an entry of the mass matrix by the principal axes that MuJoCo
     finds for a URDF's tensors: the sum of the errors of the tensors, along any two axes."""
     sizes = [float(np.abs(link.inertial.inertia).max()) for link in robot.links]
-    return sum(3.0 * size * axes_error(size) for size in sizes if size)
+    return sum(3.0 * size * principal_axes_error(size) for size in sizes if size)
 
 
 def _force_errors(

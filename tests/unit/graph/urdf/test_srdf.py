@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.stages.robot.model.semantics import (
-    NOTHING_MORE,
+    NO_SEMANTICS,
     DisabledPair,
     EndEffector,
     JointGroup,
@@ -171,5 +171,5 @@ def test_names_of_the_robot_are_used_where_they_changed():
 
 
 def test_a_robot_without_an_srdf_has_no_semantics():
-    assert urdf_robot(URDF).semantics == NOTHING_MORE
+    assert urdf_robot(URDF).semantics == NO_SEMANTICS
     assert "I-SRDF" not in codes(urdf_robot(URDF))

@@ -202,7 +202,7 @@ def test_a_compact_form_with_a_header_that_is_none_is_refused():
     for header in (b'{"bodies":[{"id":"A","points":0,"triangles":0,"palette":["abcd"]}]}', b"[]", b"7"):
         with pytest.raises(ProtocolError):
             codec.require_compact(codec.MAGIC + struct.pack("<I", len(header)) + header)
-    with pytest.raises(ProtocolError, match="its header has"):
+    with pytest.raises(ProtocolError, match="their header has"):
         codec.require_compact(codec.MAGIC + struct.pack("<I", 1 << 31))
 
 
