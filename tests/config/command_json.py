@@ -2,9 +2,6 @@
 
 import functools
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 from linkwright.pipeline.json_documents.build import BuildDocument
 from linkwright.pipeline.json_documents.bundle import BundleDocument
@@ -20,7 +17,7 @@ from linkwright.pipeline.json_documents.new import NewDocument
 from linkwright.pipeline.reference import SCHEMAS
 from tests.config import robot_json
 
-DOCUMENTS: tuple[Any, ...] = (
+DOCUMENTS = (
     BuildDocument,
     SweepDocument,
     JobsDocument,
@@ -54,12 +51,12 @@ Generated from `pipeline/json_documents` by `python -m tests.config.regenerate`;
 """
 
 
-def name_of(document: Any) -> str:
+def name_of(document):
     """The format without `linkwright-`, which names the schema's file."""
     return str(document.FORMAT).removeprefix("linkwright-")
 
 
-def schema(document: Any) -> dict[str, Any]:
+def schema(document):
     whole = robot_json.schema(document, f"linkwright {name_of(document)} --json")
     head = {
         "format": {"const": document.FORMAT, "description": "The kind of the document."},
@@ -69,7 +66,7 @@ def schema(document: Any) -> dict[str, Any]:
     return {**whole, "properties": {**head, **whole["properties"]}, "required": required}
 
 
-def schemas() -> dict[Path, Callable[[], str]]:
+def schemas():
     """File of a schema → its text."""
     return {
         SCHEMAS / f"{name_of(document)}.schema.json": functools.partial(_text, document)
@@ -77,11 +74,11 @@ def schemas() -> dict[Path, Callable[[], str]]:
     }
 
 
-def _text(document: Any) -> str:
+def _text(document):
     return json.dumps(schema(document), indent=1, ensure_ascii=False) + "\n"
 
 
-def markdown() -> str:
+def markdown():
     """The page: a section for each document, and below it one for each of its tables."""
     sections, seen = [INTRODUCTION], set()
     for document in DOCUMENTS:

@@ -4,10 +4,9 @@ The rows of `pipeline/reference/PEERS.md` are in `pipeline/reference/peers.yaml`
 command that test_peers.py runs; `linkwright new --from` takes its reasons from them.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from linkwright.pipeline.reference.peers import TABLES, PeerRow
+from linkwright.pipeline.reference.peers import TABLES
 
 ROBOT_CLASS, ONSHAPE_TO_ROBOT = TABLES.values()
 
@@ -27,18 +26,18 @@ TOOLKIT_PAGE = Path(__file__).resolve().parents[2] / "docs" / "start" / "robotic
 """The page of the documents that ends with the rows of the original Robot class."""
 
 
-def markdown() -> str:
+def markdown():
     """The page."""
     return "\n".join([INTRODUCTION, *(f"## {title}\n\n{table(rows)}" for title, rows in TABLES.items())])
 
 
-def toolkit_page() -> str:
+def toolkit_page():
     """TOOLKIT_PAGE, with its last table made anew."""
     text, _, _ = TOOLKIT_PAGE.read_text(encoding="utf-8").partition(HEAD)
     return text + table(ROBOT_CLASS)
 
 
-def table(rows: Sequence[PeerRow]) -> str:
+def table(rows):
     """Rows as a table in Markdown."""
     lines = (
         f"| {', '.join(f'`{name}`' for name in row.theirs)} | {_ours(row)} | {row.note} |\n" for row in rows
@@ -46,6 +45,6 @@ def table(rows: Sequence[PeerRow]) -> str:
     return HEAD + "".join(lines)
 
 
-def _ours(row: PeerRow) -> str:
+def _ours(row):
     code = row.yaml or row.python or (f"linkwright {row.command}" if row.command else "")
     return f"`{code}`" if code else "-"

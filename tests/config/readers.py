@@ -2,7 +2,6 @@
 
 from linkwright.stages.targets.engines import ENGINES
 from linkwright.stages.targets.readers import COMPLETE_READERS, READERS
-from linkwright.stages.targets.row import ReaderRow
 
 INTRO = """# What each reader takes
 
@@ -32,24 +31,24 @@ TARGETED = {reader for engine in ENGINES.values() for reader in engine.readers}
 TITLES = {"urdf": "URDF", "sdf": "SDF", "mjcf": "MJCF", "usd": "USD"}
 
 
-def markdown() -> str:
+def markdown():
     """The whole page."""
     formats = dict.fromkeys(row.format for row in READERS)
     tables = "\n".join(_table(name) for name in formats)
     return f"{INTRO}\n{tables}\n## Nothing lost\n\n{_whole()}"
 
 
-def _table(name: str) -> str:
+def _table(name):
     rows = "\n".join(_row(row) for row in READERS if row.format == name)
     return f"## {TITLES[name]}\n\n{HEADER}\n{rows}\n"
 
 
-def _row(row: ReaderRow) -> str:
+def _row(row):
     source = f"[{row.evidence}]({row.source})" if row.source else row.evidence
     met = row.met if row.reader in TARGETED else ""
     return f"| {row.reader} | {row.version} | {row.thing} | {row.does} | {met} | {source} |"
 
 
-def _whole() -> str:
+def _whole():
     names = "\n".join(f"- {reader} {version}, {TITLES[form]}" for reader, version, form in COMPLETE_READERS)
     return f"{KEPT}\n{names}\n"

@@ -4,7 +4,6 @@ import json
 import re
 import textwrap
 import types
-from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -29,7 +28,7 @@ INTERPOLATION = {"type": "string", "pattern": r"\$\{.*\}", "description": "A val
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 
-def fields(section: type[Section]) -> Iterator[tuple[str, FieldInfo]]:
+def fields(section):
     """The keys of a section as the configuration names them; those of the plan in the stages' order."""
     stages = [name for model in SECTIONS for name in model.model_fields] if section is Plan else []
     for name in dict.fromkeys(["name", *stages] if stages else section.model_fields):
@@ -39,14 +38,12 @@ def fields(section: type[Section]) -> Iterator[tuple[str, FieldInfo]]:
 
 
 @cache
-def entries() -> tuple[KeyEntry, ...]:
+def entries():
     """Every key and section of the configuration, in its order."""
     return tuple(_entries(Plan, (), {}, ""))
 
 
-def _entries(
-    section: type[Section], place: tuple[str, ...], names: dict[str, str], source: str
-) -> Iterator[KeyEntry]:
+def _entries(section, place, names, source):
     """`names`: a place that stands for any name → the name in the examples."""
     meanings = section.meanings()
     for name, field in fields(section):
@@ -66,13 +63,11 @@ def _entries(
         yield from _entries(below, path, inner, source)
 
 
-def place_name(path: Iterable[str]) -> str:
+def place_name(path):
     return ".".join(path)
 
 
-def _entry(
-    path: tuple[str, ...], field: FieldInfo, meaning: str, names: dict[str, str], source: str
-) -> KeyEntry:
+def _entry(path, field, meaning, names, source):
     kind, allowed = _type(field.annotation, field.metadata)
     meaning = " ".join(meaning.split())
     units = UNIT.findall(meaning)
@@ -92,13 +87,13 @@ def _entry(
     )
 
 
-def _later(field: FieldInfo) -> bool:
+def _later(field):
     return isinstance(field.json_schema_extra, dict) and bool(field.json_schema_extra.get(NOT_YET))
 
 
-def _parts(annotation: Any) -> tuple[Any, list[Any], bool]:
+def _parts(annotation):
     """A type without `Annotated` and `| None`, its metadata, and whether it may be null."""
-    constraints: list[Any] = []
+    constraints = []
     null = False
     while True:
         if get_origin(annotation) is Annotated:
@@ -111,7 +106,7 @@ def _parts(annotation: Any) -> tuple[Any, list[Any], bool]:
             return annotation, constraints, null
 
 
-def _section_of(annotation: Any) -> tuple[type[Section] | None, bool]:
+def _section_of(annotation):
     """The section that a key holds, and whether it holds one for each name."""
     bare, _, _ = _parts(annotation)
     if get_origin(bare) is dict:
@@ -120,14 +115,14 @@ def _section_of(annotation: Any) -> tuple[type[Section] | None, bool]:
     return (bare, False) if is_section(bare) else (None, False)
 
 
-def _type(annotation: Any, metadata: Iterable[Any] = ()) -> tuple[str, str]:
+def _type(annotation, metadata=()):
     """The type of a key in words, and its allowed values."""
     bare, more, null = _parts(annotation)
     name, allowed = _bare_type(bare, [*more, *metadata])
     return (f"{name} or null" if null else name), allowed
 
 
-def _bare_type(bare: Any, metadata: list[Any]) -> tuple[str, str]:
+def _bare_type(bare, metadata):
     if is_section(bare):
         return "section", ""
     origin, inside = get_origin(bare), get_args(bare)
@@ -151,7 +146,7 @@ def _bare_type(bare: Any, metadata: list[Any]) -> tuple[str, str]:
     return names[bare], ", ".join(_bounds(metadata))
 
 
-def _bounds(metadata: Iterable[Any]) -> Iterator[str]:
+def _bounds(metadata):
     for constraint in metadata:
         if isinstance(constraint, FieldInfo):
             yield from _bounds(constraint.metadata)
@@ -160,26 +155,26 @@ def _bounds(metadata: Iterable[Any]) -> Iterator[str]:
                 yield f"{sign} {getattr(constraint, name):g}"
 
 
-def _words(annotation: Any) -> list[str]:
+def _words(annotation):
     bare, _, _ = _parts(annotation)
     if bare is bool:
         return ["false", "true"]
     return sorted(map(str, get_args(bare))) if get_origin(bare) is Literal else []
 
 
-def _value(field: FieldInfo) -> Any:
+def _value(field):
     value = field.get_default(call_default_factory=True)
     return list(value) if isinstance(value, tuple) else value
 
 
-def _default(field: FieldInfo) -> str:
+def _default(field):
     if field.is_required():
         return "must be given"
     value = _value(field)
     return "" if isinstance(value, Section) else flow(value)
 
 
-def _example(field: FieldInfo) -> Any:
+def _example(field):
     """The example that the section gives, else a value other than the default, else the default."""
     if field.examples:
         return field.examples[0]
@@ -192,13 +187,13 @@ def _example(field: FieldInfo) -> Any:
     return value
 
 
-def flow(value: Any) -> str:
+def flow(value):
     """A value as YAML in one line."""
     text = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=10_000, allow_unicode=True)
     return text.removesuffix("\n").removesuffix("\n...").removesuffix("\n")
 
 
-def _shown(path: tuple[str, ...], value: Any, names: dict[str, Any]) -> str:
+def _shown(path, value, names):
     """An example as a line of a robot's file."""
     for end in range(len(path), 0, -1):
         part = path[end - 1]
@@ -206,13 +201,13 @@ def _shown(path: tuple[str, ...], value: Any, names: dict[str, Any]) -> str:
     return flow(value)[1:-1]
 
 
-def json_text() -> str:
+def json_text():
     return json.dumps([asdict(entry) for entry in entries()], indent=1, ensure_ascii=False) + "\n"
 
 
-def help_text() -> str:
+def help_text():
     """The keys as `--help-all` lists them: those of a section together."""
-    tops: dict[str, list[str]] = {}
+    tops = {}
     for entry in entries():
         if entry.later or entry.is_section or entry.key == "source.kind" or _has_inside(entry):
             continue
@@ -231,7 +226,7 @@ def help_text() -> str:
     return "\n".join(wrap.wrap("  ".join(pieces))).replace("\xa0", " ") + "\n"
 
 
-def _pieces(words: str, most: int = 78) -> list[str]:
+def _pieces(words, most=78):
     """The keys of a section, after commas, in as many pieces as a line needs."""
     lines = [""]
     for part in re.findall(r"[^,]*,|[^,]+", words):
@@ -241,7 +236,7 @@ def _pieces(words: str, most: int = 78) -> list[str]:
     return lines
 
 
-def _has_inside(entry: KeyEntry) -> bool:
+def _has_inside(entry):
     """Whether the keys inside a mapping are listed in its place."""
     return any(candidate.key.startswith(f"{entry.key}.<") for candidate in entries())
 
@@ -268,7 +263,7 @@ These keys are decided, but not supported yet: only their defaults are accepted.
 """
 
 
-def markdown() -> str:
+def markdown():
     """The page of all keys."""
     keys = entries()
     supported = [entry for entry in keys if not entry.later]
@@ -298,32 +293,32 @@ def markdown() -> str:
     return "\n".join(pages)
 
 
-def _motors() -> Iterator[list[str]]:
+def _motors():
     for name, file in library().items():
         content = yaml.safe_load(file.read_text(encoding="utf-8"))
         yield [f"`{name}`", content["title"], ", ".join(content["values"])]
 
 
-def _keys(rows: Iterable[KeyEntry]) -> str:
+def _keys(rows):
     return _table(COLUMNS, [[_cell(entry, name) for name in COLUMNS] for entry in rows])
 
 
-def _documentation(section: type[Section]) -> str:
+def _documentation(section):
     return " ".join((section.__doc__ or "").split())
 
 
-def _cell(entry: KeyEntry, name: str) -> str:
+def _cell(entry, name):
     value = str(getattr(entry, name)).replace("|", "\\|")
     return f"`{value}`" if name in ("key", "default", "example") and value else _escaped(value)
 
 
-def _escaped(text: str) -> str:
+def _escaped(text):
     """Text for a cell; angle brackets outside code are no HTML."""
     parts = re.split(r"(`[^`]*`)", text)
     return "".join(part if part.startswith("`") else part.replace("<", "&lt;") for part in parts)
 
 
-def _table(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+def _table(header, rows):
     header = list(header)
     lines = [header, ["---"] * len(header), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
@@ -335,7 +330,7 @@ HYDRA = {
 }
 
 
-def schema() -> dict[str, Any]:
+def schema():
     """The JSON Schema of a robot's file. Nothing is required: the groups set what the file leaves out."""
     whole = Plan.model_json_schema()
     sections = {name: _section_schema(value) for name, value in whole.pop("$defs").items()}
@@ -345,7 +340,7 @@ def schema() -> dict[str, Any]:
     return {"$schema": DIALECT, "title": "A robot of Linkwright", **top, "$defs": definitions}
 
 
-def _section_schema(section: dict[str, Any]) -> dict[str, Any]:
+def _section_schema(section):
     kept = {name: value for name, value in section.items() if name not in ("title", "required", "properties")}
     properties = {name: _property(value) for name, value in section.get("properties", {}).items()}
     return {**kept, "properties": properties}
@@ -354,7 +349,7 @@ def _section_schema(section: dict[str, Any]) -> dict[str, Any]:
 OUTER = ("description", "default", "examples")
 
 
-def _property(schema: dict[str, Any]) -> dict[str, Any]:
+def _property(schema):
     outer = {name: schema[name] for name in OUTER if name in schema}
     if schema.get(NOT_YET):
         outer["description"] = f"Not supported yet. {outer.get('description', '')}".strip()
@@ -363,7 +358,7 @@ def _property(schema: dict[str, Any]) -> dict[str, Any]:
     return {"anyOf": [*(inner.get("anyOf") or [inner]), {"$ref": "#/$defs/interpolation"}], **outer}
 
 
-def _inside(schema: Any) -> Any:
+def _inside(schema):
     """A type without titles, with interpolations where values are."""
     if not isinstance(schema, dict):
         return schema
@@ -380,5 +375,5 @@ def _inside(schema: Any) -> Any:
     return schema
 
 
-def schema_text() -> str:
+def schema_text():
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"

@@ -6,7 +6,6 @@ own composed section.
 """
 
 from pathlib import Path
-from typing import Any
 
 import yaml
 
@@ -39,13 +38,13 @@ GIVEN = {
 """What an option needs besides itself."""
 
 
-def names() -> dict[str, str]:
+def names():
     """Golden's name → the file in `conf` that it is of."""
     files = [file.relative_to(OURS).as_posix() for file in OURS.rglob("*.yaml")]
     return {file.removesuffix(".yaml").replace("/", "."): file for file in sorted(files)}
 
 
-def composed(name: str, empty: Path) -> Any:
+def composed(name, empty):
     """What the file of a golden comes to, composed in an empty folder."""
     if name == "build":
         return compose_plan(["source=sample"], cwd=empty).plan.tree()
@@ -65,12 +64,12 @@ def composed(name: str, empty: Path) -> Any:
     return tree if group == "robot" else {group: tree[group]}
 
 
-def text(name: str, empty: Path) -> str:
+def text(name, empty):
     """The golden's text."""
     return yaml.safe_dump(composed(name, empty), sort_keys=False, allow_unicode=True, width=100)
 
 
-def _hydra_section(group: str, option: str) -> Any:
+def _hydra_section(group, option):
     from hydra import compose, initialize_config_module
     from omegaconf import OmegaConf
 
@@ -81,7 +80,7 @@ def _hydra_section(group: str, option: str) -> Any:
     return {group: section}
 
 
-def _mutations() -> str:
+def _mutations():
     # Imported where it is asked for: goldens are checked where the faults that tests plant are not.
     from tests.support.faults import page
 
@@ -105,7 +104,7 @@ REFERENCE = {
 """Generated file → its text."""
 
 
-def main() -> None:
+def main():
     import tempfile
 
     GOLDEN.mkdir(exist_ok=True)

@@ -3,9 +3,8 @@
 import inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, is_dataclass
-from typing import Any, get_args
+from typing import get_args
 
 from linkwright.stages.formats.robot_json.codec import entries_of
 from linkwright.stages.formats.robot_json.robot import RobotRecord
@@ -24,9 +23,9 @@ Generated from `stages/formats/robot_json` by `python -m tests.config.regenerate
 """
 
 
-def records(kind: Any = RobotRecord) -> dict[str, type]:
+def records(kind=RobotRecord):
     """The class of each table by its name, from the whole down."""
-    kinds: dict[str, type] = {}
+    kinds = {}
     waiting = [kind]
     while waiting:
         candidate = waiting.pop(0)
@@ -39,7 +38,7 @@ def records(kind: Any = RobotRecord) -> dict[str, type]:
     return kinds
 
 
-def tables(whole: Any = RobotRecord) -> dict[str, type]:
+def tables(whole=RobotRecord):
     """The records that are tables themselves, from the whole down."""
     kinds = records(whole)
     entries = [entry for kind in kinds.values() for entry in entries_of(kind) if entry.inline]
@@ -47,14 +46,14 @@ def tables(whole: Any = RobotRecord) -> dict[str, type]:
     return {name: kind for name, kind in kinds.items() if kind not in inside}
 
 
-def meaning(kind: type) -> str:
+def meaning(kind):
     """The first paragraph of a record's docstring."""
     return " ".join(inspect.cleandoc(kind.__doc__ or "").split("\n\n")[0].split())
 
 
-def meanings(kind: type) -> dict[str, str]:
+def meanings(kind):
     """Key → what the docstring of a record, or of the record that it adds to, says of it."""
-    texts: dict[str, str] = {}
+    texts = {}
     for base in reversed(kind.__mro__[:-1]):
         if "__dataclass_fields__" in vars(base):
             _, _, text = inspect.cleandoc(base.__doc__ or "").partition("\n\n")
@@ -63,7 +62,7 @@ def meanings(kind: type) -> dict[str, str]:
     return texts
 
 
-def fields(kind: type) -> Iterator[tuple[str, Mapping[str, Any], str, bool]]:
+def fields(kind):
     """Key, schema, meaning and whether it is always there, of each key of a table."""
     said = meanings(kind)
     for entry in entries_of(kind):
@@ -76,14 +75,14 @@ def fields(kind: type) -> Iterator[tuple[str, Mapping[str, Any], str, bool]]:
             yield entry.key, data, said[entry.key][:1].upper() + said[entry.key][1:], always
 
 
-def schema(kind: Any = RobotRecord, title: str = TITLE) -> dict[str, Any]:
+def schema(kind=RobotRecord, title=TITLE):
     """The JSON Schema of a record."""
     definitions = {name: _table(table) for name, table in tables(kind).items()}
     whole = definitions.pop(kind.__name__)
     return {"$schema": DIALECT, "title": title, **whole, "$defs": definitions}
 
 
-def _table(kind: type) -> dict[str, Any]:
+def _table(kind):
     rows = list(fields(kind))
     return {
         "type": "object",
@@ -93,16 +92,16 @@ def _table(kind: type) -> dict[str, Any]:
     }
 
 
-def schema_text() -> str:
+def schema_text():
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
 
 
-def markdown() -> str:
+def markdown():
     """The page: a section for each table."""
     return INTRODUCTION + "".join(section(kind) for kind in tables().values())
 
 
-def section(kind: type, head: str = "##") -> str:
+def section(kind, head="##"):
     """A section with the table of a record's keys."""
     rows = [
         f"| `{key}`{'' if always else ' (optional)'} | {_words(data)} | {_escaped(said)} |\n"
@@ -112,14 +111,14 @@ def section(kind: type, head: str = "##") -> str:
     return f"\n{head} {title(kind.__name__)}\n\n{_escaped(meaning(kind))}\n\n{lines}"
 
 
-def title(name: str) -> str:
+def title(name):
     """The name of a record in words: "Sensor site"."""
     return re.sub(
         r"(?<=[a-z])(?=[A-Z])", " ", name.removesuffix("JsonRecord").removesuffix("Document")
     ).capitalize()
 
 
-def _words(data: Mapping[str, Any]) -> str:
+def _words(data):
     """A type in words, tables with a link to their section."""
     if "$ref" in data:
         name = title(data["$ref"].rpartition("/")[2])
@@ -143,5 +142,5 @@ def _words(data: Mapping[str, Any]) -> str:
     return names.get(kind, kind)
 
 
-def _escaped(text: str) -> str:
+def _escaped(text):
     return text.replace("|", "\\|").replace("<", "&lt;")

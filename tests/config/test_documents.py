@@ -42,7 +42,7 @@ def the_sample():
     return robot_of(sample_document(), plan_of(name="sample"))
 
 
-def test_the_yaml_of_the_changelog_brings_the_defaults_of_before_back(tmp_path):
+def test_yaml_of_the_changelog_restores_earlier_defaults(tmp_path):
     text = (PROJECT / "CHANGELOG.md").read_text()
     (lines,) = re.findall(r"^ *<!-- as_before -->\n *```yaml\n(.*?)^ *```$", text, re.DOTALL | re.MULTILINE)
     robot = dedent(lines).replace("defaults:\n", "defaults:\n  - override /source: sample\n")
@@ -61,15 +61,7 @@ def test_the_yaml_of_the_changelog_brings_the_defaults_of_before_back(tmp_path):
     assert model.body("base_plate").pos.tolist() == [0, 0, 0]
 
 
-def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path):
-    text = block("docs/guide/assembly.md", "base_footprint")
-    robot = robot_of(sample_document(), composed(tmp_path, text).plan)
-    assert {"base_footprint", "payload"} <= {link.name for link in robot.links}
-    assert "elbow_pitch" in {joint.name for joint in robot.joints}
-    assert not robot.base.fixed
-
-
-def test_the_motor_of_the_actuators_has_its_values_beside_the_properties_of_all_joints(tmp_path):
+def test_motor_adds_its_values_to_those_of_all_joints(tmp_path):
     """The snippet of `joints` gives damping, armature, effort and velocity to every joint; that of
     `actuators` names a motor for the elbow."""
     joints = yaml.safe_load(block("docs/guide/joints.md", "joints:", "effort"))["joints"]

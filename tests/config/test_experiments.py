@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.pipeline.cli import run
-from linkwright.pipeline.report import Report
+from tests.support.stand_in_builds import Recorder
 from tests.support.users import GLOBAL, SAMPLE, URL, composed, put, refused, write
 
 MY_ARM = f"{SAMPLE}  - override /root: fixed\nground: {{size: [2, 2]}}\nmesh: {{tolerance: null}}\n"
@@ -21,24 +21,23 @@ def plan(folder, *arguments):
 SOURCE = "source: {path: a.zip}\n"
 
 
-@pytest.mark.parametrize(
-    ("typed", "text", "made"),
-    [
-        ("+experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
-        ("experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
-        ("+experiment=e1", f"defaults:\n  - override /source: bundle\n{SOURCE}", ("bare", "a_e1", "bundle")),
-        ("+experiment=e1", "source: {kind: bundle, path: a.zip}\n", ("bare", "a_e1", "bundle")),
-        ("+experiment=e1", "name: other\n", ("sample", "other", "sample")),
-    ],
-    ids=["robot", "without plus", "source", "keys of a source", "neither: the sample"],
-)
+@pytest.mark.parametrize(("typed", "text", "made"), [
+    ("+experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
+    ("experiment=e1", ARM, ("my_arm", "my_arm_e1", "sample")),
+    ("+experiment=e1", f"defaults:\n  - override /source: bundle\n{SOURCE}", ("bare", "a_e1", "bundle")),
+    ("+experiment=e1", "source: {kind: bundle, path: a.zip}\n", ("bare", "a_e1", "bundle")),
+    ("+experiment=e1", "name: other\n", ("sample", "other", "sample")),
+    ("robot=far +experiment=e1", f"defaults:\n  - override /source: bundle\n{SOURCE}",
+     ("far", "far_e1", "bundle")),
+], ids=["robot", "without plus", "source", "keys of a source", "sample", "another source"])  # fmt: skip
 def test_an_experiment_chooses_the_robot_or_the_source(tmp_path, typed, text, made):
-    write(experiment(tmp_path, e1=text), my_arm=MY_ARM)
-    result = composed(tmp_path, typed)
+    far = f"{GLOBAL}defaults:\n  - override /source: onshape\nsource: {{url: x}}\n"
+    write(experiment(tmp_path, e1=text), my_arm=MY_ARM, far=far)
+    result = composed(tmp_path, *typed.split())
     assert (result.robot, result.plan.name, result.plan.source.kind) == made
 
 
-def test_any_group_of_the_user_may_choose_a_robot_and_any_option_have_defaults_and_a_place(tmp_path):
+def test_options_of_the_user_have_defaults_and_a_place(tmp_path):
     wide = f"{GLOBAL}ground: {{size: [9, 9]}}\n"
     put(tmp_path, {"root/mine.yaml": "defaults: [free]\nselect: base\n", "root/wide.yaml": wide})
     put(write(tmp_path, my_arm=MY_ARM), {"variants/mine.yaml": GLOBAL + ARM})
@@ -68,28 +67,17 @@ WIDE = f"{ARM}{FREE}ground: {{size: [1, 1]}}\n"
 OWN = f"{SAMPLE}root: {{base: fixed, select: auto}}\nground: {{size: [2, 2]}}\n"
 
 
-@pytest.mark.parametrize(
-    ("robot", "text", "typed", "base", "size"),
-    [
-        (MY_ARM, WIDE, [], "free", (1, 1)),
-        (MY_ARM, WIDE, ["root=fixed", "ground.size=[3,3]"], "fixed", (3, 3)),
-        (OWN, f"defaults:\n{FREE}", ["robot=my_arm"], "free", (2, 2)),
-        (OWN, f"defaults:\n{FREE}", ["robot=my_arm", "root.base=auto"], "auto", (2, 2)),
-        (OWN, f"defaults:\n{FREE}root: {{base: auto}}\n", ["robot=my_arm"], "auto", (2, 2)),
-    ],
-)
-def test_an_experiment_wins_over_the_robot_and_the_command_line_over_both(
-    tmp_path, robot, text, typed, base, size
-):
+@pytest.mark.parametrize(("robot", "text", "typed", "base", "size"), [
+    (MY_ARM, WIDE, [], "free", (1, 1)),
+    (MY_ARM, WIDE, ["root=fixed", "ground.size=[3,3]"], "fixed", (3, 3)),
+    (OWN, f"defaults:\n{FREE}", ["robot=my_arm"], "free", (2, 2)),
+    (OWN, f"defaults:\n{FREE}", ["robot=my_arm", "root.base=auto"], "auto", (2, 2)),
+    (OWN, f"defaults:\n{FREE}root: {{base: auto}}\n", ["robot=my_arm"], "auto", (2, 2)),
+])  # fmt: skip
+def test_command_line_wins_over_experiment_and_robot(tmp_path, robot, text, typed, base, size):
     write(experiment(tmp_path, e1=text), my_arm=robot)
     made = plan(tmp_path, *typed, "+experiment=e1")
     assert (made.root.base, made.ground.size) == (base, size)
-
-
-def test_keys_of_the_robots_source_are_dropped_where_an_experiment_chooses_another(tmp_path):
-    robot = f"{GLOBAL}defaults:\n  - override /source: onshape\nsource: {{url: x}}\n"
-    write(experiment(tmp_path, e1=f"defaults:\n  - override /source: bundle\n{SOURCE}"), my_arm=robot)
-    assert plan(tmp_path, "robot=my_arm", "+experiment=e1").source.path == "a.zip"
 
 
 def test_experiments_are_in_the_working_folder_or_in_config_dir(tmp_path):
@@ -101,27 +89,22 @@ def test_experiments_are_in_the_working_folder_or_in_config_dir(tmp_path):
 def test_experiments_are_swept_over(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write(experiment(tmp_path, a=ARM, b="name: b\n"), my_arm=MY_ARM)
-    plans = []
-
-    def build(made):
-        plans.append((made.name, made.source.kind))
-        return Report("built", made.name, str(made.folder), made.until, 0)
-
+    build = Recorder()
     assert run(["-m", "experiment=a,b"], build) == 0
-    assert plans == [("my_arm_a", "sample"), ("b", "sample")]
+    assert [(plan.name, plan.source.kind) for plan in build.plans] == [
+        ("my_arm_a", "sample"),
+        ("b", "sample"),
+    ]
 
 
 UNKNOWN = "E-OPTION experiment=e2: there is no such option\n      options: e1"
 
 
-@pytest.mark.parametrize(
-    ("typed", "shown"),
-    [
-        ("experiment=e2", UNKNOWN),
-        ("+experiment=e2", UNKNOWN),
-        ("other=e2", "E-KEY other: unknown key (given 'e2')"),
-    ],
-)
+@pytest.mark.parametrize(("typed", "shown"), [
+    ("experiment=e2", UNKNOWN),
+    ("+experiment=e2", UNKNOWN),
+    ("other=e2", "E-KEY other: unknown key (given 'e2')"),
+])  # fmt: skip
 def test_an_unknown_experiment_is_reported(tmp_path, typed, shown):
     assert shown in refused(experiment(tmp_path, e1="name: x\n"), typed)
 
@@ -142,7 +125,7 @@ scene: {{option: {{timestep: "${{vars.deep.list.0}}"}}}}
 """
 
 
-def test_vars_and_values_of_the_environment_are_numbers_where_the_key_needs_one(tmp_path, monkeypatch):
+def test_interpolations_are_numbers_where_a_key_needs_one(tmp_path, monkeypatch):
     write(tmp_path, my_arm=VARS)
     made = plan(tmp_path, "robot=my_arm", "vars.reach=0.5", "vars.more=[1]")
     assert (made.joints["*"].limits, made.vars["more"], made.scene.option.timestep) == ((-1.5, 0.5), [1], 1)
@@ -151,24 +134,18 @@ def test_vars_and_values_of_the_environment_are_numbers_where_the_key_needs_one(
     monkeypatch.setenv("LOW", "-2")
     made = plan(tmp_path, "robot=my_arm")
     assert (made.mass.density, made.joints["*"].limits[0]) == (1000, -2)
-
-
-def test_so_they_are_on_the_command_line(tmp_path, monkeypatch):
     monkeypatch.setenv("OFF", "True")
     typed = ["source.offline='${oc.env:OFF}'", "source.max_calls='${oc.env:CALLS,7}'"]
     source = plan(tmp_path, "source=onshape", f"source.url='{URL}'", *typed).source
     assert (source.offline, source.max_calls) == (True, 7)
 
 
-def test_a_value_that_is_no_number_is_reported_as_the_environment_has_it(tmp_path, monkeypatch):
+def test_value_that_is_no_number_is_reported_as_it_is(tmp_path, monkeypatch):
     monkeypatch.setenv("DENSITY", "heavy")
     monkeypatch.setenv("LEVELS", "2.5")
     shown = refused(write(tmp_path, my_arm=VARS), "robot=my_arm")
     assert "E-VALUE mass.density: must be a number (given 'heavy')" in shown
     assert "E-VALUE depth.max: must be a whole number (given '2.5')" in shown
-
-
-def test_text_in_a_file_that_is_no_interpolation_stays_text(tmp_path):
     write(tmp_path, my_arm=f"{SAMPLE}mass: {{density: '900'}}\n")
     assert "E-VALUE mass.density: must be a number (given '900')" in refused(tmp_path, "robot=my_arm")
 
@@ -184,15 +161,12 @@ def test_a_file_chooses_an_option_of_a_group_once(tmp_path, kind):
     assert "keep one line, override /source: urdf" in shown
 
 
-@pytest.mark.parametrize(
-    ("text", "chosen"),
-    [
-        ("defaults:\n  - override /target: none\n", ()),
-        ("defaults:\n  - override /target: drake\n", ("drake",)),
-        ("defaults:\n  - override /target: [newton, drake]\n", ("newton", "drake")),
-        ("mesh: {tolerance: 0.1}\n", ("mjx",)),
-    ],
-)
-def test_targets_that_an_experiment_chooses_are_in_place_of_the_robots(tmp_path, text, chosen):
+@pytest.mark.parametrize(("text", "chosen"), [
+    ("defaults:\n  - override /target: none\n", ()),
+    ("defaults:\n  - override /target: drake\n", ("drake",)),
+    ("defaults:\n  - override /target: [newton, drake]\n", ("newton", "drake")),
+    ("mesh: {tolerance: 0.1}\n", ("mjx",)),
+])  # fmt: skip
+def test_targets_of_an_experiment_replace_the_robots(tmp_path, text, chosen):
     write(experiment(tmp_path, e1=text), my_arm=f"{MY_ARM}target: {{mjx: {{iterations: 7}}}}\n")
     assert plan(tmp_path, "robot=my_arm", "+experiment=e1").target.chosen == chosen

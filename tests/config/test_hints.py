@@ -9,9 +9,9 @@ import pytest
 
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.options import UsageError, parse
-from linkwright.pipeline.report import Report
 from linkwright.stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
+from tests.support.stand_in_builds import Recorder
 from tests.support.users import GLOBAL, SAMPLE, URL, composed, put, refused, write
 
 THEIRS = re.compile(
@@ -89,12 +89,6 @@ def test_a_pasted_hint_does_what_was_meant(here):
     assert composed(here, *line).plan.source.path == f"{Path.home()}/my (1) arm.urdf"
 
 
-def test_a_mapping_is_typed_as_yaml_has_it(here):
-    mapping = 'joints={"elbow*": {damping: 1e-3, limits: [-1, 1]}, "b": {"effort": 2}}'
-    joints = composed(here, "source=sample", mapping).plan.joints
-    assert (joints["elbow*"].limits, joints["elbow*"].damping, joints["b"].effort) == ((-1, 1), 1e-3, 2)
-
-
 @pytest.mark.parametrize(
     ("kind", "file"), [("urdf", "arm.urdf"), ("mjcf", "arm.xml"), ("bundle", "arm.zip"), ("onshape", "https:")]
 )  # fmt: skip
@@ -105,8 +99,6 @@ def test_the_example_of_a_hint_fits_the_source(here, kind, file):
 
 
 ROBOTS = {
-    "no group": ("  - override /mehs: hull\n", "E-OVERRIDE robot/bad.yaml", "did you mean mesh?"),
-    "no option": ("  - override /mesh: hul\n", "E-OPTION mesh=hul", "did you mean hull? options: coacd, hull"),
     "no folder": ("  - /extra: x\n", "E-OPTION extra=x", "groups: actuators"),
     "order": ("  - override /mesh: hull\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
     "order of a list": ("  - override /export: [urdf, mjcf]\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
@@ -140,18 +132,15 @@ def test_an_error_of_hydra_about_a_file_is_translated(here, name):
     assert not [item for item in shown if item.code == "E-OPTION" and item.hint.rstrip().endswith(":")]
 
 
-@pytest.mark.parametrize(
-    ("typed", "where", "text"),
-    [
-        (["~nope"], "~nope", "does not exist, so it cannot be deleted"),
-        (["~ground=none"], "~ground", "does not exist, so it cannot be deleted"),
-        (["+name=a", "+name=b"], "+name", "exists already"),
-        (["++mesh=hull"], "++mesh=hull", "++ is for keys, and this is a group"),
-        (["mesh.visual=1"], "mesh.visual", "must be a mapping (given 1)"),
-        (["name=(a"], "name=(a", "cannot be read"),
-        (["name=a:b:"], "name", ""),
-    ],
-)
+@pytest.mark.parametrize(("typed", "where", "text"), [
+    (["~nope"], "~nope", "does not exist, so it cannot be deleted"),
+    (["~ground=none"], "~ground", "does not exist, so it cannot be deleted"),
+    (["+name=a", "+name=b"], "+name", "exists already"),
+    (["++mesh=hull"], "++mesh=hull", "++ is for keys, and this is a group"),
+    (["mesh.visual=1"], "mesh.visual", "must be a mapping (given 1)"),
+    (["name=(a"], "name=(a", "cannot be read"),
+    (["name=a:b:"], "name", ""),
+])  # fmt: skip
 def test_an_error_of_hydra_about_an_override_is_translated(here, typed, where, text):
     shown = problems(here, "source=sample", *typed)
     reported = [problem for problem in shown if problem.where.startswith(where)]
@@ -160,16 +149,13 @@ def test_an_error_of_hydra_about_an_override_is_translated(here, typed, where, t
     assert not [problem for problem in shown if THEIRS.search(problem.message + problem.hint)]
 
 
-@pytest.mark.parametrize(
-    ("make", "named", "shown"),
-    [
-        ([], "nope", ["--config-dir: nope is not a folder", "name the folder that holds robot/"]),
-        (["file"], "file", ["file is a file"]),
-        (["robots/robot/a.yaml"], "robots/robot", ["but no folder robot/", "--config-dir {here}/robots"]),
-        (["robots/a.yaml"], "robots", ["contains YAML files", "DIR of DIR/robot/my_arm.yaml"]),
-        (["empty/x.txt"], "empty", ["has no folder robot/ with a robot in it"]),
-    ],
-)
+@pytest.mark.parametrize(("make", "named", "shown"), [
+    ([], "nope", ["--config-dir: nope is not a folder", "name the folder that holds robot/"]),
+    (["file"], "file", ["file is a file"]),
+    (["robots/robot/a.yaml"], "robots/robot", ["but no folder robot/", "--config-dir {here}/robots"]),
+    (["robots/a.yaml"], "robots", ["contains YAML files", "DIR of DIR/robot/my_arm.yaml"]),
+    (["empty/x.txt"], "empty", ["has no folder robot/ with a robot in it"]),
+])  # fmt: skip
 def test_a_wrong_folder_for_config_dir_comes_with_the_right_one(tmp_path, make, named, shown):
     message = refused(put(tmp_path, dict.fromkeys(make, SAMPLE)), dirs=[named])
     assert [words for words in shown if words.format(here=tmp_path) not in message] == []
@@ -198,7 +184,7 @@ def test_a_path_means_that_file_and_a_name_an_option(here):
     assert "ambiguous" in problems(here, "robot=sample")[0].message
 
 
-def test_a_robot_by_its_path_has_the_files_beside_it_and_is_judged_as_any(tmp_path):
+def test_robot_by_its_path_has_the_files_beside_it(tmp_path):
     evil = f"{SAMPLE}hydra: {{callbacks: {{x: {{_target_: os.system}}}}}}\n"
     there = write(tmp_path / "there", my_arm=f"{GLOBAL}defaults:\n  - base\n", base=FREE, evil=evil)
     (here := tmp_path / "here").mkdir()
@@ -209,11 +195,7 @@ def test_a_robot_by_its_path_has_the_files_beside_it_and_is_judged_as_any(tmp_pa
 
 def test_robots_by_their_paths_are_swept_over(here):
     write(here / "there", other=SAMPLE)
-    plans = []
-
-    def build(plan):
-        plans.append((plan.name, Path(plan.output).name.rpartition("-")[0]))
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
-
+    build = Recorder()
     assert run(["-m", "robot=my_arm,there/robot/other.yaml"], build) == 0
-    assert plans == [("my_arm", "robot=my_arm"), ("other", "robot=other")]
+    folders = [(plan.name, Path(plan.output).name.rpartition("-")[0]) for plan in build.plans]
+    assert folders == [("my_arm", "robot=my_arm"), ("other", "robot=other")]

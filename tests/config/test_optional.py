@@ -82,7 +82,7 @@ def test_the_same_globs_in_the_robots_file_are_errors(tmp_path, key):
     assert optional(tmp_path, "robot=arm") == {}
 
 
-def test_presets_are_of_any_group_except_the_robot_and_the_experiment(tmp_path):
+def test_presets_are_of_any_group_but_robot_and_experiment(tmp_path):
     base, arm = f"{SAMPLE}geoms: {{'*b': {{}}}}\n", f"{GLOBAL}defaults: [base]\ngeoms: {{'*a': {{}}}}\n"
     write(tmp_path, base=base, arm=arm)
     for path in ("experiment/e", "variants/v", "ground/g", "root/deep/r"):
@@ -102,16 +102,14 @@ def test_a_robot_for_legs_needs_no_feet(tmp_path, robot, expected):
     assert optional(tmp_path, f"robot={robot}", "source=sample") == expected
 
 
-def test_the_place_of_a_preset_in_the_tree_counts(tmp_path):
-    put(write(tmp_path, arm=SAMPLE), {"mesh/lab.yaml": "collider: hull\ncolliders: {'*sole*': box}\n"})
-    assert optional(tmp_path, "robot=arm", "mesh=lab") == {"mesh.colliders": ("*sole*",)}
-
-
 def test_globs_that_a_robot_replaces_are_no_longer_optional(tmp_path):
     keys = "frames: {include: ['*tool*']}\noptional: {joints: ['*mine*']}\njoints: {'*mine*': {}}\n"
     write(tmp_path, arm=SAMPLE + keys)
     preset(tmp_path, "root/lab", {"frames": {"include": ["*imu*"]}})
     assert optional(tmp_path, "robot=arm", "root=lab") == {"joints": ("*mine*",)}
+    put(tmp_path, {"mesh/lab.yaml": "collider: hull\ncolliders: {'*sole*': box}\n"})
+    globs = {"joints": ("*mine*",), "mesh.colliders": ("*sole*",)}
+    assert optional(tmp_path, "robot=arm", "mesh=lab") == globs, "the place of a preset in the tree counts"
 
 
 def test_an_optional_glob_that_does_not_exist_is_refused(tmp_path):

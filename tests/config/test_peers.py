@@ -11,7 +11,6 @@ import mujoco
 import pytest
 import yaml
 
-import linkwright
 from linkwright.pipeline.api.building import Build
 from linkwright.pipeline.cli import parse
 from linkwright.pipeline.config.compose import compose_plan
@@ -54,22 +53,21 @@ def named(rows):
     return [name for row in rows for name in row.theirs]
 
 
-@pytest.mark.parametrize(
-    ("rows", "names", "more"),
-    [
-        (ROBOT_CLASS, VERB_NAMES, []),
-        (ONSHAPE_TO_ROBOT, OPTION_NAMES, ["gear relation", "onshape-to-robot DIR", "the saved pose is zero"]),
-    ],
-    ids=["the original Robot class", "onshape-to-robot"],
-)
+@pytest.mark.parametrize(("rows", "names", "more"), [
+    (ROBOT_CLASS, VERB_NAMES, []),
+    (ONSHAPE_TO_ROBOT, OPTION_NAMES, ["gear relation", "onshape-to-robot DIR", "the saved pose is zero"]),
+], ids=["the original Robot class", "onshape-to-robot"])  # fmt: skip
 def test_every_name_is_in_a_single_row(rows, names, more):
     assert sorted(named(rows)) == sorted([*names.split(), *more])
 
 
-def test_a_row_says_a_single_thing():
+def test_a_row_says_a_single_thing_that_exists():
     for row in ROWS:
         assert sum(map(bool, (row.yaml, row.command, row.python))) == 1 or (row.note and not row.yaml), row
         assert "|" not in f"{row.yaml}{row.note}", row
+    names = {row.python.rpartition(".")[2] for row in ROWS if row.python}
+    assert names <= {*vars(Build), *Build.__annotations__}
+    assert "pipeline/reference/PEERS.md" in (PROJECT / "README.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.skipif(not (SHARED / "reference").is_dir(), reason="without the survey of the other tools")
@@ -117,12 +115,6 @@ def test_the_command_of_a_row_is_valid(tmp_path, row):
         assert set(plan.export.chosen) == set(words[0].removeprefix("export=").strip("[]").split(","))
     if words[0].startswith("mesh="):
         assert plan.mesh.collider == words[0].removeprefix("mesh=")
-
-
-def test_the_python_of_a_row_exists():
-    assert callable(linkwright.build)
-    names = {row.python.rpartition(".")[2] for row in ROWS if row.python}
-    assert names <= {*vars(Build), *Build.__annotations__}
 
 
 class Made(NamedTuple):
@@ -218,7 +210,3 @@ def test_a_row_has_the_effect_that_it_claims(tmp_path, cache, name):
         files["scene.xml"].decode(), {Path(path).name: data for path, data in files.items()}
     )
     assert EFFECTS[name](Made(files, model, parse_xml(files["arm.urdf"])))
-
-
-def test_the_readme_leads_to_the_page():
-    assert "pipeline/reference/PEERS.md" in (PROJECT / "README.md").read_text(encoding="utf-8")

@@ -35,7 +35,7 @@ def output_of(*arguments, **more):
     "place",
     ["./out", "a/b/../c", "outputs/arm", "~/work/arm", "a/../../work/arm", "${vars.at}/arm", "{here}/arm"],
 )  # fmt: skip
-def test_a_place_below_the_working_folder_as_it_is_written_is_allowed(work, place):
+def test_place_below_the_working_folder_is_allowed(work, place):
     place = place.replace("{here}", str(work))
     write(work, mine=f"{SAMPLE}output: '{place}'\nvars: {{at: below}}\n")
     assert output_of("robot=mine") == place.replace("${vars.at}", "below")
@@ -51,10 +51,9 @@ FEW = ("/etc", "../out", "${vars.at}/arm")
 # A single function checks all files, so the robot's has every place, and the others have a few.
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("kind", "place"),
-    [*(("robot", place) for place in OUTSIDE), *product(("experiment", "config dir"), FEW)],
+    ("kind", "place"), [*(("robot", place) for place in OUTSIDE), *product(("experiment", "config dir"), FEW)]
 )
-def test_a_place_elsewhere_is_refused_in_each_kind_of_file_and_the_hint_types_it(work, tmp_path, kind, place):
+def test_place_elsewhere_is_refused_in_each_kind_of_file(work, tmp_path, kind, place):
     text = f"output: '{place}'\nvars: {{at: /abs, home: '${{oc.env:HOME}}'}}\n"
     folders, arguments = [], ["robot=mine"]
     if kind == "experiment":
@@ -71,7 +70,7 @@ def test_a_place_elsewhere_is_refused_in_each_kind_of_file_and_the_hint_types_it
     assert output_of(*arguments, "output=/abs/arm", dirs=folders) == "/abs/arm"
 
 
-def test_the_command_line_the_environment_and_python_may_name_any_place(work, monkeypatch):
+def test_command_line_environment_and_python_name_any_place(work, monkeypatch):
     write(work, mine=f"{SAMPLE}output: /abs/arm\n", env=f"{SAMPLE}output: ${{oc.env:OUT}}\n")
     assert output_of("robot=mine", "output=/abs/leg") == "/abs/leg"
     assert output_of("robot=mine", environ={"LINKWRIGHT_TRUST": "robot/mine.yaml"}) == "/abs/arm"
@@ -88,7 +87,7 @@ def test_the_command_line_the_environment_and_python_may_name_any_place(work, mo
 
 
 @pytest.mark.parametrize("robot", ["robot=mine", "robot/mine.yaml"])
-def test_python_refuses_the_place_of_a_file_and_shows_its_argument(work, robot):
+def test_place_of_a_file_is_an_argument_in_python(work, robot):
     write(work, mine=f"{SAMPLE}output: /abs/arm\n")
     with pytest.raises(ConfigError, match=r"linkwright\.build\(\.\.\., output=\.\.\.\)"):
         plan_of([robot], False, (), None, ())
@@ -107,16 +106,13 @@ def test_the_working_folder_may_be_reached_by_a_link(work, tmp_path, monkeypatch
 DIR = "hydra.sweep.dir: a file must name a folder below"
 
 
-@pytest.mark.parametrize(
-    ("keys", "shown"),
-    [
-        ("output: /abs/arm", BELOW),
-        ("hydra: {sweep: {dir: /abs/arm}}", DIR),
-        ("hydra: {sweep: {dir: '~/${name}'}}", DIR),
-        ("hydra: {sweep: {dir: '${oc.env:HOME}'}}", DIR),
-        ("hydra: {sweeper: {params: {output: /abs/arm}}}", "hydra.sweeper.params.output: a file must not"),
-    ],
-)
+@pytest.mark.parametrize(("keys", "shown"), [
+    ("output: /abs/arm", BELOW),
+    ("hydra: {sweep: {dir: /abs/arm}}", DIR),
+    ("hydra: {sweep: {dir: '~/${name}'}}", DIR),
+    ("hydra: {sweep: {dir: '${oc.env:HOME}'}}", DIR),
+    ("hydra: {sweeper: {params: {output: /abs/arm}}}", "hydra.sweeper.params.output: a file must not"),
+])  # fmt: skip
 def test_so_is_the_folder_of_a_sweep(work, capsys, keys, shown):
     write(work, mine=f"{SAMPLE}{keys}\n")
     before = sorted(work.parent.parent.rglob("*"))

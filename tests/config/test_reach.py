@@ -44,14 +44,11 @@ ENTRIES = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("file", "entry"),
-    [
-        *(("robot/mine.yaml", entry) for entry in ENTRIES),
-        *(("experiment/e.yaml", entry) for entry in ENTRIES[::3]),
-        *(("robot/deep/mine.yaml", entry) for entry in ENTRIES[1::3]),
-    ],
-)
+@pytest.mark.parametrize(("file", "entry"), [
+    *(("robot/mine.yaml", entry) for entry in ENTRIES),
+    *(("experiment/e.yaml", entry) for entry in ENTRIES[::3]),
+    *(("robot/deep/mine.yaml", entry) for entry in ENTRIES[1::3]),
+])  # fmt: skip
 def test_a_defaults_list_does_not_leave_the_folders(here, file, entry):
     lines = ["override /source: sample", entry.format(outside=here.parent / "outside")]
     # Overrides end a defaults list.
@@ -63,21 +60,18 @@ def test_a_defaults_list_does_not_leave_the_folders(here, file, entry):
     assert "--config-dir" in message
 
 
-@pytest.mark.parametrize(
-    "argument",
-    [
-        "mesh=../../outside/mesh/x", "experiment=../../outside/x", "mesh=../../../outside/mesh/x",
-        "root=../outside/x", "mesh=a/../../../outside/mesh/x", "+experiment=../../outside/x",
-        "export=[urdf,../../outside/x]",
-    ],
-)  # fmt: skip
-def test_an_option_on_the_command_line_does_not_leave_the_folders(here, argument):
+@pytest.mark.parametrize("argument", [
+    "mesh=../../outside/mesh/x", "experiment=../../outside/x", "mesh=../../../outside/mesh/x",
+    "root=../outside/x", "mesh=a/../../../outside/mesh/x", "+experiment=../../outside/x",
+    "export=[urdf,../../outside/x]",
+])  # fmt: skip
+def test_option_on_the_command_line_stays_in_the_folders(here, argument):
     message = refused(here, "robot=mine", argument)
     assert "outside the folders of the configuration" in message
     assert "--config-dir" in message
 
 
-def test_a_robot_is_no_option_outside_but_a_path_that_the_user_types(here):
+def test_robot_outside_is_a_path_that_the_user_types(here):
     assert "no such file" in refused(here, "robot=../../outside/x")
     assert plan(here, "robot=../outside/x", "source=sample").name == SECRET
 
@@ -91,7 +85,7 @@ def test_a_path_that_stays_inside_is_composed(here, entry):
     assert plan(here, "robot=all", "source=sample").mesh.tolerance == 0.001
 
 
-def test_a_link_in_a_folder_is_followed_but_not_what_is_above_its_target(here):
+def test_link_is_followed_but_not_above_its_target(here):
     (here / "robot" / "linked.yaml").symlink_to(here.parent / "outside" / "x.yaml")
     assert plan(here, "robot=linked", "source=sample").name == SECRET
     (here / "robot" / "sub").symlink_to(here.parent / "outside" / "mesh")
@@ -100,6 +94,6 @@ def test_a_link_in_a_folder_is_followed_but_not_what_is_above_its_target(here):
     assert "E-OPTION" in refused(here, "robot=mine")
 
 
-def test_a_folder_named_on_the_command_line_is_a_folder_of_the_configuration(here):
+def test_folder_on_the_command_line_is_of_the_configuration(here):
     put(here, {"robot/mine.yaml": f"{SAMPLE}  - override /mesh: x\n"})
     assert plan(here, "robot=mine", dirs=[here.parent / "outside"]).mesh.tolerance == 0.005

@@ -26,23 +26,22 @@ def test_each_has_a_floor_and_ends_before_a_major_version(requirement):
     floor, _, major, minor = bounds.groups()
     assert int(major) > int(floor) or minor
     assert (minor is not None) == (name_of(requirement) in PAIRED)
+    assert f"{name_of(requirement)}>={FLOORS['floors']()[name_of(requirement)]}," in requirement, "CI's floor"
 
 
-def test_ci_installs_the_floor_of_each():
-    floors = FLOORS["floors"]()
-    assert set(floors) == {name_of(requirement) for requirement in REQUIREMENTS}
-    assert all(f"{name}>={floor}," in " ".join(REQUIREMENTS) for name, floor in floors.items())
-
-
-def test_hints_install_what_the_extras_do():
+def test_hints_and_shown_commands_install_what_the_extras_do():
     wanted = {
         name_of(requirement): requirement for requirement in REQUIREMENTS if name_of(requirement) in OPTIONAL
     }
     assert {name: name + bound for name, bound in OPTIONAL.items()} == wanted
     assert install("xacro") == "pip install 'xacro>=2.1,<3'"
+    shown = re.findall(r"pip install (?:'[^']+'\s?)+", "".join(text.read_text() for text in texts("conf")))
+    plug_ins = [("hydra-joblib-launcher", "joblib"), ("hydra-submitit-launcher", "submitit")]
+    plug_ins.append(("hydra-ray-launcher", "ray"))
+    assert {text.strip() for text in shown} == {install(*packages) for packages in plug_ins}
 
 
-def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name():
+def test_texts_ask_for_no_extra_by_our_name():
     """pip finds `linkwright[urdf]` on an index alone; a wheel or a checkout in hand is none."""
     ours = [PROJECT / "README.md", *(text for room in ROOMS for text in texts(room))]
     assert [our for our in ours if "linkwright[" in our.read_text()] == []
@@ -50,13 +49,6 @@ def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name():
 
 def texts(room):
     return [path for path in (PROJECT / room).rglob("*") if path.suffix in (".py", ".yaml", ".md")]
-
-
-def test_shown_commands_install_what_the_extras_do():
-    shown = re.findall(r"pip install (?:'[^']+'\s?)+", "".join(text.read_text() for text in texts("conf")))
-    plug_ins = [("hydra-joblib-launcher", "joblib"), ("hydra-submitit-launcher", "submitit")]
-    plug_ins.append(("hydra-ray-launcher", "ray"))
-    assert {text.strip() for text in shown} == {install(*packages) for packages in plug_ins}
 
 
 def test_no_test_fails_where_pinocchio_is_not_installed():

@@ -10,29 +10,16 @@ import yaml
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.files.trust import compare_hydra_nodes
-from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.preflight import plan_problems
 from tests.support import users
-from tests.support.cases import mostly_slow
 from tests.support.hostile import CODE, MARK, ROBOTS
 from tests.support.hostile import write as hostile
+from tests.support.stand_in_builds import Recorder
 from tests.support.users import GLOBAL, SAMPLE, composed, put, write
 
 URDF = f"{GLOBAL}defaults:\n  - override /source: urdf\nsource: {{path: x.xacro, trust: true}}\n"
 CLUSTER = f"{SAMPLE}  - override /hydra/launcher: cluster\n"
 BOTH = ["-m", "robot=mine", "root=auto,free"]
-
-
-class Recorder:
-    """A build that succeeds, and remembers its plans and the environment."""
-
-    def __init__(self):
-        self.plans, self.environs = [], []
-
-    def __call__(self, plan):
-        self.plans.append(plan)
-        self.environs.append(dict(os.environ))
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
 
 
 @pytest.fixture(autouse=True)
@@ -62,27 +49,22 @@ def plans_of(*arguments):
     return build.plans
 
 
-@pytest.mark.parametrize("name", mostly_slow(ROBOTS, keep=12))
+@pytest.mark.parametrize("name", list(ROBOTS)[:12])
 def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
+    """The others, in every way, are in `tests/e2e/test_hostile_yaml.py`."""
     hostile(tmp_path, name)
     shown = refuses(["robot=mine"], capsys)
     assert "bug in linkwright" not in shown
     assert "E-" in shown
 
 
-SWEPT = ["a callback", "logging of jobs", "a variable for the job", "a launcher's class", "a sweep of Hydra"]
-
-
-@pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=2))
-@pytest.mark.parametrize(
-    ("file", "typed"),
-    [
-        ("robot/mine.yaml", BOTH),
-        ("robot/mine.yaml", ["-m", "robot=mine,sample"]),
-        ("experiment/mine.yaml", ["robot=other", "+experiment=mine"]),
-    ],
-)
-def test_so_it_is_in_a_sweep_where_it_is_swept_over_and_as_an_experiment(tmp_path, capsys, name, file, typed):
+@pytest.mark.parametrize("name", ["a callback", "logging of jobs"])
+@pytest.mark.parametrize(("file", "typed"), [
+    ("robot/mine.yaml", BOTH),
+    ("robot/mine.yaml", ["-m", "robot=mine,sample"]),
+    ("experiment/mine.yaml", ["robot=other", "+experiment=mine"]),
+])  # fmt: skip
+def test_hostile_file_is_refused_in_sweeps_and_experiments(tmp_path, capsys, name, file, typed):
     write(tmp_path, other=SAMPLE)
     hostile(tmp_path, name, file)
     assert "E-TRUST" in refuses(typed, capsys)
@@ -100,26 +82,23 @@ def cluster(folder, keys):
     return [put(folder / "trusted", {"hydra/launcher/cluster.yaml": f"{head}{basic}{fields}"})]
 
 
-@pytest.mark.parametrize(
-    ("keys", "shown"),
-    [
-        ("{partition: \"gpu\\ntouch x\"}", "hydra.launcher.partition: a file must not"),
-        ("{partition: $(touch x)}", "hydra.launcher.partition: a file must not"),
-        ("{setup: ['touch x']}", "hydra.launcher.setup: a file must not"),
-        ("{python: ./mine}", "hydra.launcher.python: a file must not"),
-        ("{additional_parameters: {x: 1}}", "hydra.launcher.additional_parameters: a"),
-        ("{additional_parameters: {wrap: y}}", "hydra.launcher.additional_parameters: a"),
-        ("{srun_args: [--x]}", "hydra.launcher.srun_args: a file must not"),
-        ("{nodes: true}", "hydra.launcher.nodes: a file must not"),
-        ("{folder: 5}", "hydra.launcher.folder: a file must not"),
-        ("{account: 'a b'}", "hydra.launcher.account: a file must not"),
-        ("{qos: 'a;b'}", "hydra.launcher.qos: a file must not"),
-        ("{init: {address: host}}", "hydra.launcher.init: a file must not"),
-        ("{init: {num_cpus: 2}}", "hydra.launcher.init: a file must not"),
-        ("{setup: ['touch x']}", " robot=mine 'hydra.launcher.setup=[touch x]'"),
-        ("{srun_args: [--x]}", " robot=mine 'hydra.launcher.srun_args=[--x]'"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("keys", "shown"), [
+    ("{partition: \"gpu\\ntouch x\"}", "hydra.launcher.partition: a file must not"),
+    ("{partition: $(touch x)}", "hydra.launcher.partition: a file must not"),
+    ("{setup: ['touch x']}", "hydra.launcher.setup: a file must not"),
+    ("{python: ./mine}", "hydra.launcher.python: a file must not"),
+    ("{additional_parameters: {x: 1}}", "hydra.launcher.additional_parameters: a"),
+    ("{additional_parameters: {wrap: y}}", "hydra.launcher.additional_parameters: a"),
+    ("{srun_args: [--x]}", "hydra.launcher.srun_args: a file must not"),
+    ("{nodes: true}", "hydra.launcher.nodes: a file must not"),
+    ("{folder: 5}", "hydra.launcher.folder: a file must not"),
+    ("{account: 'a b'}", "hydra.launcher.account: a file must not"),
+    ("{qos: 'a;b'}", "hydra.launcher.qos: a file must not"),
+    ("{init: {address: host}}", "hydra.launcher.init: a file must not"),
+    ("{init: {num_cpus: 2}}", "hydra.launcher.init: a file must not"),
+    ("{setup: ['touch x']}", " robot=mine 'hydra.launcher.setup=[touch x]'"),
+    ("{srun_args: [--x]}", " robot=mine 'hydra.launcher.srun_args=[--x]'"),
+])  # fmt: skip
 def test_a_file_sets_only_what_a_launcher_cannot_run(tmp_path, keys, shown):
     message = users.refused(tmp_path, "robot=mine", dirs=cluster(tmp_path, keys))
     assert "E-TRUST" in message
@@ -144,7 +123,7 @@ def test_numbers_of_a_file_reach_the_launcher(tmp_path):
     assert (asked.sweeping.launcher, asked.sweeping.launcher_settings) == ("workstation", {"n_jobs": 2})
 
 
-def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(tmp_path, capsys):
+def test_launcher_of_the_user_needs_config_dir(tmp_path, capsys):
     hostile(tmp_path, "a launcher of one's own")
     for typed, hint in (
         (["robot=mine"], "robot=mine"),
@@ -154,14 +133,11 @@ def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(
     assert composed(tmp_path, "robot=mine", dirs=[tmp_path]).sweeping.launcher == "mine"
 
 
-@pytest.mark.parametrize(
-    ("robot", "key", "command"),
-    [
-        (URDF, "source.trust", "source.trust=true"),
-        (f"{SAMPLE}plugins: [a.b, c]\n", "plugins", "'plugins=[a.b, c]'"),
-    ],
-)
-def test_trust_is_given_on_the_command_line_and_the_error_shows_how(tmp_path, robot, key, command):
+@pytest.mark.parametrize(("robot", "key", "command"), [
+    (URDF, "source.trust", "source.trust=true"),
+    (f"{SAMPLE}plugins: [a.b, c]\n", "plugins", "'plugins=[a.b, c]'"),
+])  # fmt: skip
+def test_trust_comes_from_the_command_line_as_the_error_shows(tmp_path, robot, key, command):
     write(tmp_path, mine=robot)
     shown = refused(tmp_path, "robot=mine", "ground=none")
     assert f"E-TRUST {key}: this key must be set on the command line" in shown
@@ -169,7 +145,7 @@ def test_trust_is_given_on_the_command_line_and_the_error_shows_how(tmp_path, ro
     assert "E-TRUST" not in refused(tmp_path, "robot=mine", f"{key}=[a]", "foo=1")
 
 
-def test_only_what_the_command_line_and_the_environment_name_is_trusted(tmp_path):
+def test_command_line_and_environment_alone_give_trust(tmp_path):
     write(tmp_path, mine=URDF, other=URDF)
     put(tmp_path, {"experiment/e.yaml": f"{GLOBAL}ground: {{kind: none}}\n"})
     file = tmp_path / "robot" / "mine.yaml"
@@ -188,7 +164,7 @@ def test_only_what_the_command_line_and_the_environment_name_is_trusted(tmp_path
     assert "E-TRUST" in refused(tmp_path, "robot=mine")
 
 
-def test_allowed_settings_of_a_sweep_pass_and_others_are_reported():
+def test_settings_of_a_sweep_pass_if_allowed():
     ours = {
         "sweep": {"dir": "outputs"},
         "callbacks": {},
@@ -222,14 +198,11 @@ def test_a_file_sets_the_folders_of_a_sweep_and_its_jobs(tmp_path):
     assert folders == ["there/0_root=auto", "there/1_root=free"]
 
 
-@pytest.mark.parametrize(
-    ("subdir", "shown"),
-    [
-        ("same", "hydra.sweep.subdir: jobs 0 and 1 have the same folder"),
-        ("../${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
-        ("/tmp/${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
-    ],
-)
+@pytest.mark.parametrize(("subdir", "shown"), [
+    ("same", "hydra.sweep.subdir: jobs 0 and 1 have the same folder"),
+    ("../${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
+    ("/tmp/${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
+])  # fmt: skip
 def test_each_job_has_its_own_folder_below_the_sweeps(tmp_path, capsys, subdir, shown):
     write(tmp_path, mine=f"{SAMPLE}hydra: {{sweep: {{subdir: '{subdir}'}}}}\n")
     assert shown in refuses(BOTH, capsys)
@@ -241,7 +214,7 @@ def test_robots_of_a_sweep_agree_on_how_it_runs(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_hydras_account_has_what_was_typed_and_what_all_jobs_start_from(tmp_path):
+def test_hydras_account_has_what_was_typed(tmp_path):
     keys = "name: '${oc.env:HOME}-arm'\nhydra: {sweeper: {params: {root: 'auto,free'}}}\n"
     write(tmp_path, mine=SAMPLE + keys)
     typed = ["robot=mine", "ground=none,plane", "name=arm"]

@@ -55,7 +55,7 @@ ground: {size: [2 m, 300 cm]}
         assert value == pytest.approx(expected)
 
 
-def test_angles_that_mujoco_has_in_degrees_and_those_of_onshape_take_units_too():
+def test_angles_of_mujoco_and_onshape_take_units_too():
     eyes = {"eye": {"fovy": "1 rad"}, "nose": {"fovy": 60}, "ear": {"fovy": "60 deg"}}
     angles = [camera.fovy for camera in plan(scene={"cameras": eyes}).scene.cameras.values()]
     assert angles == pytest.approx([math.degrees(1), 60, 60])
@@ -68,30 +68,24 @@ LENGTH = "must be a number in m, or a length as '25 mm'"
 UNITS = "units are nm, um, mm, cm, m, in, ft, ..."
 
 
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        ("3", f"{LENGTH}: without quotes, or with a unit (given '3')"),
-        ("3 parsec", f"{LENGTH}: 'parsec' is unknown; {UNITS} (given '3 parsec')"),
-        ("3 deg", f"{LENGTH}: 'deg' is a unit of angle; {UNITS} (given '3 deg')"),
-        ("mm", f"{LENGTH} (given 'mm')"),
-        ("-3 mm", "must be greater than 0 (given '-3 mm')"),
-        (True, "must be a number (given true)"),
-    ],
-)
+@pytest.mark.parametrize(("value", "message"), [
+    ("3", f"{LENGTH}: without quotes, or with a unit (given '3')"),
+    ("3 parsec", f"{LENGTH}: 'parsec' is unknown; {UNITS} (given '3 parsec')"),
+    ("3 deg", f"{LENGTH}: 'deg' is a unit of angle; {UNITS} (given '3 deg')"),
+    ("mm", f"{LENGTH} (given 'mm')"),
+    ("-3 mm", "must be greater than 0 (given '-3 mm')"),
+    (True, "must be a number (given true)"),
+])  # fmt: skip
 def test_a_value_that_is_no_length_is_named(value, message):
     only = problem(mesh={"tolerance": value})
     assert (only.code, only.where, only.message) == ("E-VALUE", "mesh.tolerance", message)
 
 
-@pytest.mark.parametrize(
-    ("tree", "key", "hint"),
-    [
-        ("ground: {xyz: [0, 0, -.04]}", "ground.xyz[2]", "write -0.04: in YAML -.04 is text"),
-        ("joints: {elbow: {damping: +.5e-1}}", "joints.elbow.damping", "write 0.5e-1: in YAML +.5e-1 is text"),
-        ("joints: {elbow: {limits: [-.5, 1]}}", "joints.elbow.limits[0]", "write -0.5: in YAML -.5 is text"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("tree", "key", "hint"), [
+    ("ground: {xyz: [0, 0, -.04]}", "ground.xyz[2]", "write -0.04: in YAML -.04 is text"),
+    ("joints: {elbow: {damping: +.5e-1}}", "joints.elbow.damping", "write 0.5e-1: in YAML +.5e-1 is text"),
+    ("joints: {elbow: {limits: [-.5, 1]}}", "joints.elbow.limits[0]", "write -0.5: in YAML -.5 is text"),
+])  # fmt: skip
 def test_a_number_that_yaml_takes_for_text_comes_with_its_form(tree, key, hint):
     from omegaconf._utils import get_yaml_loader  # that of the configuration's files
 
@@ -109,15 +103,12 @@ def test_limits_of_a_hinge_and_its_keyframes_are_angles():
     assert robot.keyframes[0].given == (("elbow", pytest.approx(math.pi / 4)),)
 
 
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"joints": {"elbow": {"limits": [None, "25 mm"]}}}, "limits of 'elbow': '25 mm' is no angle, and elbow is a turn"),
-        ({"joints": {"elbow": {"zero": "25 mm"}}}, "zero of 'elbow': '25 mm' is no angle"),
-        ({"keyframes": {"bent": {"elbow": "25 mm"}}}, "'elbow': '25 mm' is no angle"),
-    ],
-)  # fmt: skip
-def test_a_length_for_a_hinge_is_an_error_once_the_robot_is_known(keys, message):
+@pytest.mark.parametrize(("keys", "message"), [
+    ({"joints": {"elbow": {"limits": [None, "25 mm"]}}}, "limits of 'elbow': '25 mm' is no angle, and elbow is a turn"),
+    ({"joints": {"elbow": {"zero": "25 mm"}}}, "zero of 'elbow': '25 mm' is no angle"),
+    ({"keyframes": {"bent": {"elbow": "25 mm"}}}, "'elbow': '25 mm' is no angle"),
+])  # fmt: skip
+def test_length_for_a_hinge_is_an_error_of_the_robot(keys, message):
     with pytest.raises(AssemblyError, match=message):
         robot_of(arm(), plan_of(**keys))
 
