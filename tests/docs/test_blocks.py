@@ -15,6 +15,15 @@ MOST_NOT_RUN = 15
 
 EVERY = [block for page in pages() for block in blocks(page)]
 
+LONG = {
+    "docs/guide/actuators.md", "docs/guide/colliders.md", "docs/guide/sweeps.md",
+    "docs/guide/sweeps-summary.md", "docs/operate/checking.md", "docs/operate/snapshots.md",
+    "docs/start/onshape-to-robot.md", "docs/start/robotics-toolkit.md",
+}  # fmt: skip
+"""Pages that take more than 4 s of a core, and that are no first steps."""
+
+PAGES = [pytest.param(page, marks=[pytest.mark.slow] * (page in LONG)) for page in pages()]
+
 
 def slow(page):
     return any("slow" in block.marks for block in blocks(page))
@@ -32,7 +41,7 @@ def cache(tmp_path_factory):
 
 
 @pytest.mark.e2e
-@pytest.mark.parametrize("page", pages())
+@pytest.mark.parametrize("page", PAGES)
 def test_the_blocks_of_a_page_do_what_they_show(page, tmp_path, cache):
     """Up to the first slow block."""
     quick = blocks(page)
@@ -49,23 +58,19 @@ def test_the_slow_blocks_of_a_page_do_what_they_show(page, tmp_path, cache):
         run(session, blocks(page))
 
 
-def test_every_mark_is_known():
-    """A test that runs a block by itself may know it by a mark of its own."""
-    marks = {block.place: {*block.marks} - MARKS for block in EVERY if "tested by" not in block.marks}
-    assert {place: unknown for place, unknown in marks.items() if unknown} == {}
-
-
-def test_few_blocks_are_not_run_and_each_says_why():
-    reasons = {block.place: block.marks["not run"] for block in EVERY if "not run" in block.marks}
-    assert {place: why for place, why in reasons.items() if not why.startswith(REASONS)} == {}
-    assert len(reasons) <= MOST_NOT_RUN
-
-
-def test_a_block_that_another_test_runs_is_named_there():
+def test_every_mark_is_known_and_few_blocks_are_not_run():
+    """A test that runs a block by itself may know it by a mark of its own; it names the block's page."""
+    not_run = []
     for block in EVERY:
         if name := block.marks.get("tested by"):
             text = (PROJECT / name).read_text(encoding="utf-8")
             assert block.page in text or name == ".ci/run", block.place
+        else:
+            assert {*block.marks} <= MARKS, block.place
+        if "not run" in block.marks:
+            assert block.marks["not run"].startswith(REASONS), block.place
+            not_run.append(block.place)
+    assert len(not_run) <= MOST_NOT_RUN
 
 
 def test_an_output_is_compared_whole():
@@ -77,19 +82,16 @@ def test_an_output_is_compared_whole():
             compare(block, shown, "a\n1\n2\nb 3.5 s\n")
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("```sh\nfalse\n```\n", "exit status 1, expected 0"),
-        ("<!-- exit: 2 -->\n```sh\nlinkwright robot=sample\n```\n", "exit status 0, expected 2"),
-        ("```sh\necho a\n```\n\n```text\nb\n```\n", "but the output is\n\na"),
-        ("```console\n$ echo a\nb\n```\n", "but the output is\n\na"),
-        ("```yaml\njoints: {elbo: {damping: 1}}\n```\n", "elbo"),
-        ("```python\nprint(1)\n```\n\n```text\n2\n```\n", "but the output is\n\n1"),
-        ("<!-- output -->\n```text\n2\n```\n", "no block before it has an output"),
-        ("<!-- file: robot/a.yaml -->\n```yaml\n# @package _global_\nroot: 5\n```\n", "root"),
-    ],
-)
+@pytest.mark.parametrize(("text", "message"), [
+    ("```sh\nfalse\n```\n", "exit status 1, expected 0"),
+    ("<!-- exit: 2 -->\n```sh\ntrue\n```\n", "exit status 0, expected 2"),
+    ("```sh\necho a\n```\n\n```text\nb\n```\n", "but the output is\n\na"),
+    ("```console\n$ echo a\nb\n```\n", "but the output is\n\na"),
+    ("```yaml\njoints: {elbo: {damping: 1}}\n```\n", "elbo"),
+    ("```python\nprint(1)\n```\n\n```text\n2\n```\n", "but the output is\n\n1"),
+    ("<!-- output -->\n```text\n2\n```\n", "no block before it has an output"),
+    ("<!-- file: robot/a.yaml -->\n```yaml\n# @package _global_\nroot: 5\n```\n", "root"),
+])  # fmt: skip
 def test_a_block_that_does_something_else_is_found(text, message, tmp_path, cache):
     with Session(tmp_path, cache) as session, pytest.raises(Wrong, match=re.escape(message)):
         run(session, parsed("page.md", text))

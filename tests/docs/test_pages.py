@@ -1,4 +1,4 @@
-"""The pages of the site, without building it: no dead link, each in the navigation, pictures in the guide."""
+"""The pages of the site, without building it: no dead link, each in the navigation, small pictures."""
 
 import re
 
@@ -27,13 +27,10 @@ def test_no_link_of_a_page_is_dead(path):
     assert page.dead == []
 
 
-def test_the_readme_links_only_to_files_of_the_repository():
+def test_readme_is_short_and_links_to_files_here():
     """Who reads it elsewhere has no site."""
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", text("README.md"))
     assert [target for target in targets if not (PROJECT / target).is_file()] == []
-
-
-def test_the_readme_is_short():
     assert len(text("README.md").encode()) <= 8192
 
 
@@ -61,3 +58,22 @@ def test_links_and_comments_are_rewritten_and_code_is_not():
     assert page.dead == [
         "docs/guide/joints.md: the link nothing.md leads to no file of the repository and no page"
     ]
+
+
+PICTURES = PROJECT / "docs" / "pictures"
+LARGEST, FILM = 3_000_000, 600_000
+"""Bytes, of all pictures and of the film of the page."""
+
+
+def test_all_pictures_together_are_small_and_each_is_shown():
+    texts = [text(path) for path in ("README.md", *(PROJECT / "docs").rglob("*.md"))]
+    assert {path.name for path in PICTURES.iterdir()} - set(
+        re.findall(r"pictures/([\w.-]+)", "".join(texts))
+    ) == set()
+    assert sum(path.stat().st_size for path in PICTURES.iterdir()) <= LARGEST
+    assert (PICTURES / "page.webp").stat().st_size <= FILM
+
+
+def test_the_gallery_shows_each_robot_of_the_package():
+    shown = re.findall(r"\]\(pictures/(\w+)\.webp\)\]\(\.\./conf/robot/\1\.yaml\)", text("docs/gallery.md"))
+    assert set(shown) == set(robots.gallery())
