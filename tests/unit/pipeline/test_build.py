@@ -117,7 +117,7 @@ def runs_of(stages):
     return [stage.runs for stage in stages]
 
 
-def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder, capsys):
+def test_build_leaves_files_report_plan_and_log(make, folder, capsys):
     stages = fakes(graph={"files": {"robot.json": b"{}", **SHOWN}})
     report = make(stages, Lines(sys.stdout))
     assert {*files_of(folder)} == {*RUN_FILES, "arm.urdf", "assets/a.stl", "graph.svg"}
@@ -144,7 +144,7 @@ def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder
 
 
 @pytest.mark.parametrize("until", ["fetch", "export", "validate"])
-def test_until_stops_after_a_stage_and_the_manifest_has_every_file(make, folder, until):
+def test_until_stops_after_a_stage_and_all_files_are_listed(make, folder, until):
     report = make(fakes(), until=until)
     assert [stage.name for stage in report.stages][-1] == until
     assert bool(report.checks) == (until == "validate")
@@ -156,39 +156,31 @@ def test_until_stops_after_a_stage_and_the_manifest_has_every_file(make, folder,
     assert manifest.ours(place) == digests
 
 
-def test_a_second_build_runs_no_stage_and_reports_the_same(make):
+def test_a_second_build_runs_no_stage_and_reports_the_same(make, tmp_path):
     stages = fakes()
     first, second = make(stages), make(stages)
     assert runs_of(stages) == [1] * 5
-    assert [[stage.cached for stage in report.stages] for report in (first, second)] == [
-        [False] * 5,
-        [True] * 5,
-    ]
+    assert [stage.cached for report in (first, second) for stage in report.stages] == [False] * 5 + [True] * 5
     for name in ("diagnostics", "figures", "checks", "outputs"):
         assert getattr(second, name) == getattr(first, name)
     assert second.calls == {"made": 0, "saved": 3}
-
-
-def test_a_source_that_may_change_is_asked_again_and_the_rest_stays_cached(make):
-    stages = fakes(fetch={"pinned": False})
-    make(stages)
-    make(stages)
-    assert runs_of(stages) == [2, 1, 1, 1, 1]
-    stages[0].files = {"manifest.json": b"{ }"}
-    make(stages)
-    assert runs_of(stages) == [3, 2, 1, 1, 1], "graph made the same robot: the rest stays"
-
-
-def test_refresh_runs_every_stage_and_bypass_keeps_nothing(make, tmp_path):
-    stages = fakes()
-    make(stages, cache={"mode": "bypass", "dir": str(tmp_path / "cache")})
-    assert not (tmp_path / "cache").exists()
-    make(stages)
     make(stages, cache={"mode": "refresh", "dir": str(tmp_path / "cache")})
-    assert runs_of(stages) == [3] * 5
+    assert runs_of(stages) == [2] * 5
+    for _ in range(2):
+        make(stages, cache={"mode": "bypass", "dir": str(tmp_path / "none")})
+    assert runs_of(stages) == [4] * 5
+    assert not (tmp_path / "none").exists()
 
 
-def test_what_was_fetched_last_is_exit_status_3_where_the_newest_was_asked_for(make, folder):
+def test_source_that_may_change_is_read_again_alone(make):
+    stages = fakes(fetch={"pinned": False})
+    for data, runs in ((b"{}", [1] * 5), (b"{}", [2, 1, 1, 1, 1]), (b"{ }", [3, 2, 1, 1, 1])):
+        stages[0].files = {"manifest.json": data}
+        make(stages)
+        assert runs_of(stages) == runs, "where graph made the same robot, the rest stays"
+
+
+def test_stale_source_is_exit_status_3(make, folder):
     fetch = {"more": {"source": {}, "calls": 3, "stale": True}, "pinned": False}
     report = make(fakes(fetch=fetch))
     assert (report.status, report.exit_status) == ("stale", 3)
@@ -201,16 +193,8 @@ def test_what_was_fetched_last_is_exit_status_3_where_the_newest_was_asked_for(m
     assert (report.status, report.exit_status) == ("built", 0)
 
 
-def test_a_failed_check_is_exit_status_3_and_the_build_is_swapped_in(make, folder):
-    report = make(fakes(checks=[FAILED]))
-    assert (report.status, report.exit_status) == ("invalid", 3)
-    assert (folder / "arm.urdf").exists()
-    left = report_in(folder)
-    assert (left["exit_status"], left["checks"][0]["detail"]) == (3, FAILED.detail)
-
-
 @pytest.mark.parametrize(("diagnostics", "status"), [((WARNING,), 3), ((Diagnostic("I-X", "fyi"),), 0)])
-def test_a_warning_fails_a_strict_build_and_information_does_not(make, diagnostics, status):
+def test_warning_fails_a_strict_build(make, diagnostics, status):
     stages = fakes(graph={"diagnostics": diagnostics})
     assert make(stages).exit_status == 0
     strict = make(stages, validate={"level": "strict"})
@@ -218,7 +202,7 @@ def test_a_warning_fails_a_strict_build_and_information_does_not(make, diagnosti
     assert (strict.checks[-1].name, strict.checks[-1].passed) == ("no_warnings", status == 0)
 
 
-def test_a_failing_stage_leaves_a_report_beside_and_the_last_build_whole(make, folder, failed, monkeypatch):
+def test_failing_stage_leaves_a_report_and_the_last_build(make, folder, failed, monkeypatch):
     monkeypatch.chdir(folder.parents[1])
     make(fakes())
     before = files_of(folder)
@@ -237,7 +221,7 @@ def test_a_failing_stage_leaves_a_report_beside_and_the_last_build_whole(make, f
     assert not failed.exists()
 
 
-def test_a_failed_build_shows_what_came_before_and_a_fault_its_traceback(make, failed):
+def test_failed_build_shows_earlier_stages(make, failed):
     graph = {"files": {"robot.json": b"{}", **SHOWN}}
     with pytest.raises(AssemblyError):
         make(fakes(graph=graph, mesh={"error": AssemblyError("no <mesh>", hint="mend it")}))
@@ -249,7 +233,7 @@ def test_a_failed_build_shows_what_came_before_and_a_fault_its_traceback(make, f
     assert "Traceback" in (failed / "build.log").read_text()
 
 
-def test_all_that_is_wrong_before_the_first_stage_is_reported_at_once(make, folder, tmp_path):
+def test_problems_before_the_first_stage_come_together(make, folder, tmp_path):
     wrong = {name: {"wrong": ConfigError(f"no {name}", name)} for name in ("fetch", "mesh")}
     with pytest.raises(ConfigError):
         make(fakes(**wrong))
@@ -266,7 +250,7 @@ def test_all_that_is_wrong_before_the_first_stage_is_reported_at_once(make, fold
 @pytest.mark.parametrize(
     ("name", "until"), [("arm.urdf", "validate"), ("report.json", "export"), ("build.log", "fetch")]
 )
-def test_a_file_of_others_in_the_way_stops_a_build_before_the_first_stage(make, folder, name, until):
+def test_file_in_the_way_stops_a_build_before_its_stages(make, folder, name, until):
     place = folder.with_name("arm.fetch") if until == "fetch" else folder
     place.mkdir(parents=True)
     manifest.write(place, {})
@@ -280,7 +264,7 @@ def test_a_file_of_others_in_the_way_stops_a_build_before_the_first_stage(make, 
     assert (place.with_name(f"{place.name}.replaced") / name).read_text() == "x"
 
 
-def test_a_file_of_the_user_is_carried_over_or_ends_the_build_and_both_are_kept(make, folder, failed):
+def test_user_file_is_carried_over_or_ends_the_build(make, folder, failed):
     make(fakes())
     (folder / "NOTES.md").write_text("mine")
     make(fakes())
@@ -298,7 +282,7 @@ def test_a_file_of_the_user_is_carried_over_or_ends_the_build_and_both_are_kept(
     assert not failed.exists()
 
 
-def test_the_failure_is_raised_also_where_its_report_cannot_be_left(make, failed, capsys):
+def test_failure_is_raised_also_without_its_report(make, failed, capsys):
     failed.mkdir(parents=True)
     (failed / "build.log").write_text("mine")
     assert make(fakes()).exit_status == 0
@@ -308,7 +292,7 @@ def test_the_failure_is_raised_also_where_its_report_cannot_be_left(make, failed
     assert files_of(failed) == {"build.log": b"mine"}
 
 
-def test_progress_hears_every_stage_and_is_closed_also_after_an_error(make):
+def test_progress_hears_each_stage_and_is_closed(make):
     class Ears:
         def __init__(self):
             self.heard = []
@@ -326,7 +310,7 @@ def test_progress_hears_every_stage_and_is_closed_also_after_an_error(make):
     assert ears.heard == [*lines[0], ("done", "fetch"), *lines[1], ("close",)]
 
 
-def test_no_secret_reaches_the_log_or_a_file_and_the_last_build_stays(make, folder, failed):
+def test_secret_reaches_neither_log_nor_files(make, folder, failed):
     with pytest.raises(AssemblyError):
         make(fakes(fetch={"error": AssemblyError("refused s3cr3t-value")}), environ=SECRET)
     assert "refused ***" in (failed / "build.log").read_text()
@@ -347,7 +331,7 @@ def test_no_secret_reaches_the_log_or_a_file_and_the_last_build_stays(make, fold
 
 
 @pytest.mark.parametrize(("name", "title"), [(f"onshape_{'c' * 8}", "Left arm"), ("arm", "")])
-def test_a_robot_that_nobody_named_is_shown_with_the_name_of_its_assembly(make, name, title):
+def test_robot_without_a_name_has_its_assembly_as_title(make, name, title):
     stages = fakes(fetch={"more": {"source": {"title": "Left arm"}}})
     report = make(stages, source={"kind": "onshape", "url": URL}, name=name)
     assert (report.title, report.name, report.source["url"]) == (title, name, URL)

@@ -15,13 +15,13 @@ from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import CacheError, LinkwrightError, OutputError
 from linkwright.pipeline.output.folder import FAILED, Output
-from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.build import build
 from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import environment, linkwright
 from tests.support.faulty import desk
 from tests.support.outputs import OURS
+from tests.support.stand_in_builds import ended
 
 FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
 
@@ -97,9 +97,7 @@ def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, server, asked,
         assert "the disk is full" in report["error"]["message"]
 
 
-def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places(
-    tmp_path, monkeypatch, server, asked
-):
+def test_reserved_room_is_that_of_the_last_build(tmp_path, monkeypatch, server, asked):
     held, most = [], []
     taken = disk_space.reserved
 
@@ -125,7 +123,7 @@ def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places(
 
 
 @pytest.mark.parametrize("lacks", [None, errno.EINVAL, errno.ENOTSUP])
-def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, monkeypatch, lacks):
+def test_room_is_measured_by_writing_if_need_be(tmp_path, monkeypatch, lacks):
     def refuse(*_):
         raise OSError(lacks, os.strerror(lacks))
 
@@ -142,7 +140,7 @@ def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, m
         pass
 
 
-def test_a_store_and_an_output_on_a_full_disk_report_it_and_lose_nothing(tmp_path):
+def test_store_and_output_on_a_full_disk_lose_nothing(tmp_path):
     place = tmp_path / "small"
     with disk(place, 600):
         store, output = Store(place / "cache"), Output(place / "arm")
@@ -169,7 +167,7 @@ def test_a_temporary_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
     assert "TMPDIR" in caught.value.hint
 
 
-def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(monkeypatch, server, asked):
+def test_ledger_that_cannot_be_written_loses_no_reply(monkeypatch, server, asked):
     lines = []
 
     class Ears:
@@ -184,7 +182,7 @@ def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(mon
 
 
 @pytest.mark.parametrize("room_for", [0, 5])
-def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_reported(tmp_path, monkeypatch, room_for):
+def test_cut_line_of_the_ledger_is_not_counted(tmp_path, monkeypatch, room_for):
     ledger = Ledger(tmp_path, "0123456789abcdef", 2026)
     assert ledger.note("elements", 200) == ""
     write = os.write
@@ -196,15 +194,13 @@ def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_reported(tmp
 
 
 @pytest.mark.parametrize("kilobytes", [4, 12, 40])
-def test_a_sweep_on_a_full_disk_reports_it_and_shows_how_its_jobs_ended(
-    tmp_path, monkeypatch, capsys, kilobytes
-):
+def test_sweep_on_a_full_disk_shows_how_its_jobs_ended(tmp_path, monkeypatch, capsys, kilobytes):
     monkeypatch.chdir(tmp_path)
 
     def filling(plan):
         with contextlib.suppress(OSError), open("small/filling", "wb") as file:
             file.write(b"x" * 100_000)
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
+        return ended(plan)
 
     with disk(tmp_path / "small", kilobytes):
         status = run(["-m", "source=sample", "root=auto,free", "output=small/sweep"], filling)
@@ -228,7 +224,7 @@ ARM = f"""<robot name="arm">{LINK.format("base")}{LINK.format("hand")}
 
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["cache.mode=use"], ["cache.mode=bypass"], ["-m", "root=auto,free"]])
-def test_the_command_on_disks_of_all_sizes_ends_well_or_with_one_message(tmp_path, arguments):
+def test_command_on_any_disk_ends_well_or_with_one_message(tmp_path, arguments):
     # A small robot, which is quickly made: the files that fill the disk are the same.
     (tmp_path / "arm.urdf").write_text(ARM)
     (tmp_path / "ball.stl").write_bytes(icosphere(subdivisions=3, radius=0.1).export(file_type="stl"))

@@ -12,8 +12,8 @@ from linkwright.pipeline import interrupt
 from linkwright.pipeline.caching.actions import Action, opened
 from linkwright.pipeline.cli import run as run_command
 from linkwright.pipeline.config.plan import Plan
-from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.build import build
+from tests.support import stand_in_builds
 from tests.support.places import PROJECT
 from tests.unit.pipeline.test_build import Fake, fakes
 
@@ -160,7 +160,7 @@ def plan(folder):
 
 @pytest.mark.parametrize("kind", [Losing, Converting])
 @pytest.mark.parametrize("name", ["fetch", "graph", "validate"])
-def test_a_build_ends_where_it_was_lost_keeps_the_last_output_and_no_result(tmp_path, watched, kind, name):
+def test_build_ends_where_the_signal_was_lost(tmp_path, watched, kind, name):
     build(plan(tmp_path), environ={}, stages=fakes())
     left = sorted((tmp_path / "out").rglob("*"))
     stages = [kind(s.name, s.files, version=2) if s.name == name else s for s in fakes()]
@@ -174,7 +174,7 @@ def test_a_build_ends_where_it_was_lost_keeps_the_last_output_and_no_result(tmp_
     assert made.runs == 1, "what was cut short was not kept"
 
 
-def test_in_a_program_that_is_no_command_an_error_with_it_behind_is_an_interrupt(tmp_path, monkeypatch):
+def test_error_caused_by_a_signal_is_an_interrupt(tmp_path, monkeypatch):
     monkeypatch.setattr(interrupt, "_CAME", threading.Event())
     with pytest.raises(KeyboardInterrupt):
         build(plan(tmp_path), environ={}, stages=(Converting("fetch"), *fakes()[1:]))
@@ -217,7 +217,7 @@ def test_a_sweep_ends_with_the_job_in_which_it_was_lost(tmp_path, monkeypatch, c
         if not lost:
             Converting("fetch").run(None)
         Loses()
-        return Report("built", job.name, str(job.folder), job.until, 0)
+        return stand_in_builds.ended(job)
 
     assert run_command(["-m", "source=sample", "root=auto,free,fixed"], lost_build) == 130
     assert len(started) == 1

@@ -22,6 +22,7 @@ from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnosti
 from tests.config.command_json import DOCUMENTS, name_of
 from tests.support.command import called, environment, linkwright
 from tests.support.processes import python
+from tests.support.stand_in_builds import ended
 
 WITHOUT = {"snapshot", "view"}
 """Verbs without `--json`."""
@@ -63,11 +64,7 @@ def test_each_document_has_a_schema_and_each_schema_a_document():
 
 
 REPORT = Report(
-    status="invalid",
-    name="arm",
-    folder="outputs/arm",
-    until="validate",
-    exit_status=3,
+    "invalid", "arm", "outputs/arm", "validate", 3,
     figures={"mass": 2.5, "steps_per_second": float("inf")},
     diagnostics=(
         *(Diagnostic("W-LIMIT", f"no limits: {n}", f"joint_{n}", "type them\njoints: {}") for n in (0, 1)),
@@ -81,7 +78,7 @@ REPORT = Report(
     ),
     outputs={"robot.json": "0", "arm.urdf": "1", "assets/a.stl": "2"},
     preview="preview.png",
-)
+)  # fmt: skip
 
 
 def test_a_build_tells_what_a_program_decides_by(printed):
@@ -188,7 +185,7 @@ def test_a_sweep_lists_its_jobs(printed):
     def build(plan):
         if plan.root.base == "free":
             raise AssemblyError("has no mates")
-        return Report("built", plan.name, str(plan.folder), plan.until, 0, figures={"mass": 1.0})
+        return ended(plan, figures={"mass": 1.0})
 
     arguments = ("-m", "--json", "source=sample", "root=fixed,free")
     document, _ = printed(*arguments, build=build)
@@ -243,15 +240,13 @@ def test_a_real_build_its_bundle_and_its_cache(tmp_path):
     report = json.loads((tmp_path / document["paths"]["report"]).read_bytes())
     for key in ("status", "name", "exit_status", "figures", "calls", "source", "until", "folder"):
         assert document[key] == report[key], key
-    again = parsed(linkwright(tmp_path, "--json", "until=graph", "-q", environ=environ, status=0).stdout)
+    again = parsed(called(tmp_path, "--json", "until=graph", "-q", environ=environ, status=0).stdout)
     assert again == document
-    bundle = parsed(
-        linkwright(tmp_path, "bundle", document["folder"], "a.zip", "--json", environ=environ).stdout
-    )
-    assert bundle["size"] == (tmp_path / "a.zip").stat().st_size
+    bundle = called(tmp_path, "bundle", document["folder"], "a.zip", "--json", environ=environ)
+    assert parsed(bundle.stdout)["size"] == (tmp_path / "a.zip").stat().st_size
     for verb, key in (("info", "info"), ("verify", "verified"), ("gc", "cleared")):
         cache = parsed(called(tmp_path, "cache", verb, "--json", environ=environ, status=0).stdout)
         assert cache[key]
         assert [cache[other] for other in ("info", "verified", "cleared") if other != key] == [None, None]
-    failed = linkwright(tmp_path, "--json", "until=graph", "root.select=nope", environ=environ, status=1)
+    failed = called(tmp_path, "--json", "until=graph", "root.select=nope", environ=environ, status=1)
     assert parsed(failed.stdout)["notes"][-1].startswith("report: ")

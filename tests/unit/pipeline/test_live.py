@@ -57,7 +57,7 @@ def test_the_view_is_made_once_and_then_comes_from_the_cache(plan, shown, monkey
 
 
 @pytest.mark.parametrize("error", [ValueError("no such mesh"), RuntimeError("a bug"), MemoryError()])
-def test_what_cannot_be_made_fails_no_build_and_is_in_the_report(error, plan, monkeypatch, tmp_path):
+def test_view_that_cannot_be_made_fails_no_build(error, plan, monkeypatch, tmp_path):
     def fail(*_):
         raise error
 
@@ -69,7 +69,7 @@ def test_what_cannot_be_made_fails_no_build_and_is_in_the_report(error, plan, mo
     assert diagnostic.message in (tmp_path / "arm" / "build.log").read_text()
 
 
-def test_a_file_that_mujoco_refuses_is_not_tried_again_but_an_accident_is(plan, monkeypatch):
+def test_view_is_tried_again_after_an_accident_alone(plan, monkeypatch):
     tried = []
 
     def fail(*_):
@@ -107,10 +107,8 @@ def test_a_build_without_export_and_a_plain_page_have_no_view(plan, shown, monke
     monkeypatch.setenv("LINKWRIGHT_PAGE", "plain")
     build(plan())
     assert shown == [made.NOTHING, made.NOTHING]
-
-
-def test_a_page_whose_robot_cannot_simulate_has_no_engine(plan, shown):
+    monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
     for _ in range(2):
         build(plan(export={"urdf": {}}))
-    assert [page.engine for page in shown] == ["none", "none"]
-    assert read_pack(shown[1].pack)[0]["no_engine"]
+    assert [page.engine for page in shown[2:]] == ["none", "none"], "such a robot cannot be simulated"
+    assert read_pack(shown[3].pack)[0]["no_engine"]

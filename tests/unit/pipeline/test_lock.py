@@ -45,23 +45,19 @@ def while_held(path, shown, act):
     assert not thread.is_alive()
 
 
-def test_a_lock_that_cannot_be_made_is_an_error_at_once_and_its_output_refused(tmp_path, no_lock):
+def test_lock_that_cannot_be_made_is_an_error_at_once(tmp_path, no_lock):
     with pytest.raises(OSError, match="Is a directory"), lock.acquired(no_lock, silent):
         pass
     with pytest.raises(OutputError, match="cannot be written"):
         Output(tmp_path / "arm").prepare()
     assert list(tmp_path.rglob("*")) == [no_lock.parent, no_lock]
-
-
-def test_a_cache_without_locks_works_all_the_same(tmp_path):
-    action = Action("mesh", 1)
-    cache = Cache(Store(tmp_path))
+    action, cache = Action("mesh", 1), Cache(Store(tmp_path))
     (tmp_path / "locks" / f"{action.key}.lock").mkdir()
-    assert cache.run(action, lambda: {"a": b"alpha"})[0]["a"] == b"alpha"
+    assert cache.run(action, lambda: {"a": b"alpha"})[0]["a"] == b"alpha", "a cache works without locks"
 
 
 @pytest.mark.usefixtures("_impatient")
-def test_a_build_that_waits_for_another_of_its_folder_reports_it_and_goes_on(tmp_path):
+def test_wait_for_another_build_of_the_folder_is_reported(tmp_path):
     """And a folder that another build moves in is not judged half way."""
     output = Output(tmp_path / "arm")
     output.prepare()
@@ -75,7 +71,7 @@ def test_a_build_that_waits_for_another_of_its_folder_reports_it_and_goes_on(tmp
 
 
 @pytest.mark.usefixtures("_impatient")
-def test_a_build_that_waits_for_the_work_of_another_reports_it_and_takes_its_own_turn(tmp_path):
+def test_wait_for_the_same_stage_elsewhere_is_reported(tmp_path):
     action, shown, made = Action("mesh", 1), [], []
     cache = Cache(Store(tmp_path))
 
@@ -89,7 +85,7 @@ def test_a_build_that_waits_for_the_work_of_another_reports_it_and_takes_its_own
 
 
 @pytest.mark.parametrize("where", ["file", "folder"])
-def test_a_lock_that_is_a_link_is_refused_and_its_target_left_alone(tmp_path, where):
+def test_lock_that_is_a_link_is_refused(tmp_path, where):
     (tmp_path / "mine").mkdir()
     target = tmp_path / "mine" / "arm.lock"
     target.write_text("mine")
@@ -103,7 +99,7 @@ def test_a_lock_that_is_a_link_is_refused_and_its_target_left_alone(tmp_path, wh
     assert target.read_text() == "mine"
 
 
-def test_a_lock_file_stays_and_is_dropped_only_while_nobody_holds_it(tmp_path):
+def test_lock_file_is_dropped_only_while_nobody_holds_it(tmp_path):
     path = lock.beside(tmp_path / "arm")
     with lock.acquired(path, silent):
         assert not lock.drop(path)
@@ -124,7 +120,7 @@ def test_a_lock_keeps_its_mode_and_is_free_again_after_an_error(tmp_path):
     assert path.stat().st_mode & 0o777 == 0o664
 
 
-def test_a_lock_is_the_file_at_the_path_also_if_it_is_removed_meanwhile(tmp_path, monkeypatch):
+def test_lock_removed_meanwhile_is_acquired_again(tmp_path, monkeypatch):
     path = tmp_path / "arm.lock"
     acquire, removed = filelock.FileLock.acquire, []
 

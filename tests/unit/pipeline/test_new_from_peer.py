@@ -98,8 +98,8 @@ def test_every_option_is_a_key_or_has_a_reason():
     assert all(ONSHAPE_TO_ROBOT[name].note for name in NAMED)
 
 
-def test_options_become_keys(written):
-    tree, _, _ = written
+def test_options_and_properties_of_joints_become_keys(written):
+    tree, _, xml = written
     assert tree["conventions"] == "onshape_to_robot"
     assert {"override /export": "mjcf"} in [
         {key: value for key, value in entry.items() if "export" in key} for entry in tree["defaults"]
@@ -114,20 +114,13 @@ def test_options_become_keys(written):
     assert tree["geoms"]["Arm"]["collision"] == {"friction": [0.9, 0.005, 0.0001]}
     assert tree["elements"]["additional_1"]["into"] == {"tag": "mujoco"}
     assert tree["links"] == {"base_link": {"child": "base"}}
-
-
-def test_properties_of_joints_become_keys(written):
-    tree, _, _ = written
     assert tree["joints"]["*"] == {"velocity": 3, "friction": 0.05, "damping": 0.1, "armature": 0.01}
     assert tree["joints"]["elbow"]["effort"] == 12
     assert tree["actuators"]["elbow"] == {"kp": 30, "forcerange": [-5, 5]}
     assert tree["actuators"]["left_wheel"] == "none"
     assert tree["actuators"]["crank"] == {"type": "motor"}
     assert tree["attributes"]["left_wheel"] == {"stiffness": 2}
-
-
-def test_limits_count_from_the_saved_pose_as_there(written):
-    _, _, xml = written
+    # Limits count from the saved pose, as there.
     for name, limits in (("elbow", [-0.2, 1.0]), ("crank", [-1.0, 1.0])):
         (joint,) = xml.findall(f".//joint[@name='{name}'][@range]")
         assert [float(end) for end in joint.get("range").split()] == pytest.approx(limits)
@@ -170,16 +163,14 @@ def test_the_source_is_read_in_every_form(tmp_path, text, source):
     ("{", "config.json: it cannot be read as JSON with comments"),
     ("[]", "config.json: it is not a mapping of options"),
     ('{"document_id": "d"}', "it has neither url nor all of document_id, workspace_id or "),
+    (None, "config.json does not exist"),
 ])  # fmt: skip
 def test_a_wrong_configuration_is_an_error(tmp_path, text, message):
-    (tmp_path / "config.json").write_text(text, encoding="utf-8")
+    if text is not None:
+        (tmp_path / "config.json").write_text(text, encoding="utf-8")
     done = called(tmp_path, "new", "--from", "config.json", status=2)
     assert message in done.stderr
     assert not (tmp_path / "robot").exists()
-
-
-def test_a_missing_configuration_is_an_error(tmp_path):
-    assert "gone.json does not exist" in called(tmp_path, "new", "--from", "gone.json", status=2).stderr
 
 
 @pytest.mark.parametrize(("options", "name"), [

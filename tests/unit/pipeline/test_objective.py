@@ -78,7 +78,7 @@ def test_the_reach_is_the_largest_distance_within_the_limits(here):
 
 
 @pytest.mark.e2e
-def test_the_whole_build_has_the_margin_of_its_check_and_counts_what_failed(here):
+def test_objective_of_a_build_is_that_of_its_check(here):
     figures = "objective.figures=[torque_margin,checks_failed]"
     numbers = objective(here, figures, LIFT, "mesh=raw", "page.preview=none", until="validate")
     checks = json.loads((here / "outputs" / "arm" / "report.json").read_text())["checks"]
@@ -89,7 +89,7 @@ def test_the_whole_build_has_the_margin_of_its_check_and_counts_what_failed(here
     assert early["torque_margin"] == pytest.approx(share, abs=1e-9)
 
 
-def test_a_function_of_a_trusted_module_is_called_with_the_robot_and_args_once(here, monkeypatch):
+def test_trusted_function_is_called_once(here, monkeypatch):
     monkeypatch.syspath_prepend(str(here))
     (here / "cost_a.py").write_text(
         "def both(robot, weight):\n"
@@ -124,23 +124,18 @@ def test_what_cannot_be_an_objective_is_refused_by_name(here, words, said):
     assert said in message
 
 
-def test_a_robot_that_nothing_limited_holds_has_no_torque_margin(here):
+def test_robot_without_force_limits_has_no_torque_margin(here):
+    """The check of a whole build then has the value 0, which would be the best margin of all."""
     still = ARM.replace('"revolute"', '"fixed"').replace('"prismatic"', '"fixed"')
     (here / "arm.urdf").write_text(still)
     assert "no joint with a limited force" in refused(here, "objective.figure=torque_margin")
-
-
-def test_nor_has_it_after_the_check_of_a_whole_build(here):
-    """The check of forces without limits has the value 0, which would be the best margin of all."""
     row = ("lift", "N", 34.3, 34.3, None, None)
     unlimited = Check("arm: torque margin", True, "", 0.0, 1.0, "C-TORQUE", table=Table(("joint",), (row,)))
-    assert torque_value([unlimited]) is None
     limited = replace(unlimited, value=0.5, table=Table(("joint",), (row, (*row[:-1], 0.5))))
-    assert torque_value([limited]) == 0.5
-    assert torque_value([]) is None
+    assert [torque_value(checks) for checks in ([unlimited], [limited], [])] == [None, 0.5, None]
 
 
-def test_an_infinite_number_stands_for_a_robot_that_cannot_be_built():
+def test_objective_of_a_failure_may_be_infinite():
     for word in (math.inf, ".inf", [math.inf]):
         section = ObjectiveSection.model_validate({"figure": "mass", "failed": word})
         assert section.failed == (math.inf,)
@@ -164,7 +159,7 @@ def paths(tree, head=()):
 
 
 @given(trees)
-def test_every_number_of_a_tree_has_a_path_also_where_names_have_dots(tree):
+def test_numbers_of_a_tree_have_paths_despite_dots(tree):
     for path, values in paths(tree).items():
         # Of two readings of a path the longest name is taken at each step, which may lead nowhere.
         with contextlib.suppress(ConfigError):

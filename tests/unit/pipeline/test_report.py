@@ -16,11 +16,7 @@ from tests.support.terminal import Screen
 ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
 
 REPORT = Report(
-    status="invalid",
-    name="arm",
-    folder="outputs/arm",
-    until="validate",
-    exit_status=3,
+    "invalid", "arm", "outputs/arm", "validate", 3,
     source={"kind": "onshape", "microversion": "m1"},
     calls={"made": 5, "saved": 2},
     stages=(StageReport("fetch", True, 0.004, "3 replies"), StageReport("graph", False, 12.5, "2 links")),
@@ -29,7 +25,7 @@ REPORT = Report(
     checks=(Check("compiles", True, "ok"), Check("mass", False, "1 kg instead of 2 kg", 1.0, 2.0)),
     outputs={"arm.urdf": "ab" * 32},
     versions={"linkwright": "0.1.0", "python": "3.11.7"},
-)
+)  # fmt: skip
 
 
 def on_screen(report):
@@ -64,18 +60,16 @@ def test_plain_text_shows_findings_checks_calls_and_place():
         "5 API calls made, 2 saved by the cache",
         "arm: outputs/arm",
     ]
-    bare = replace(REPORT, diagnostics=(), checks=(), calls={"made": 0, "saved": 0})
-    assert closing_text(bare).splitlines() == ["arm: outputs/arm"]
+    bare = replace(REPORT, diagnostics=(), checks=(), calls={"made": 0, "saved": 0}, title="Left arm")
+    assert closing_text(bare).splitlines() == ["arm (Left arm): outputs/arm"]
+    assert json.loads(bare.to_json())["title"] == "Left arm"
+    lines = Diagnostic("I-LIVE", "Error: mass\n  Element 'geom', line 4\n", "report.html")
+    assert "I-LIVE report.html: Error: mass Element 'geom', line 4\n" in closing_text(
+        replace(bare, diagnostics=(lines,))
+    )
 
 
-def test_a_robot_that_nobody_named_is_called_as_its_assembly_is():
-    titled = replace(REPORT, name="onshape_e1c65b19", title="Left arm")
-    assert closing_text(titled).splitlines()[-1] == "onshape_e1c65b19 (Left arm): outputs/arm"
-    assert titled.heading == "onshape_e1c65b19 (Left arm)"
-    assert json.loads(titled.to_json())["title"] == "Left arm"
-
-
-def test_what_comes_after_an_error_counts_calls_and_names_source_and_report(tmp_path, monkeypatch):
+def test_lines_after_an_error_name_calls_source_and_report(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert failure_lines(REPORT, tmp_path / "out" / "arm.failed") == [
         "5 API calls made, 2 saved by the cache",
@@ -129,7 +123,7 @@ def of_a_joint(number, hint="set limits"):
     return Diagnostic("W-LIMIT", f"joint {number} has no limits", f"joint_{number}", hint)
 
 
-def test_twenty_findings_of_a_code_are_one_with_the_count_and_the_three_worst():
+def test_findings_of_a_code_are_one_with_the_three_worst():
     """100 lines of findings become one line a code, and where the rest is."""
     of_limits = [of_a_joint(number) for number in range(20)]
     rest = [Diagnostic("W-FEATURE", f"{kind} mate", "Arm", "suppress it") for kind in ("a", "b", "c", "d")]
@@ -176,27 +170,17 @@ def test_yaml_for_all_of_a_code_is_shown_where_it_is_short():
     )
 
 
-def test_a_message_of_several_lines_is_a_sentence():
-    diagnostic = Diagnostic("I-LIVE", "Error: mass\n  Element 'geom', line 4\n", "report.html")
-    assert "I-LIVE report.html: Error: mass Element 'geom', line 4\n" in closing_text(
-        replace(REPORT, diagnostics=(diagnostic,))
-    )
-
-
 TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")
 
 
-def test_the_tree_is_shown_where_the_build_ends_at_the_graph_only():
+def test_tree_is_shown_where_the_build_ends_at_the_graph(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
     graph = replace(REPORT, until="graph", outline=TREE)
     assert closing_text(graph).splitlines()[:3] == [*TREE, ""]
     assert TREE[1] not in closing_text(replace(graph, until="validate"))
     assert TREE[1] not in closing_text(replace(graph, until="fetch", outline=()))
     assert TREE[1] in on_screen(graph)
-
-
-def test_a_narrow_terminal_gets_the_narrow_tree(monkeypatch):
-    monkeypatch.delenv("COLUMNS", raising=False)
-    wide = replace(REPORT, until="graph", outline=("x" * 90,), narrow_outline=("x" * 45, "x" * 45))
+    wide = replace(graph, outline=("x" * 90,), narrow_outline=("x" * 45, "x" * 45))
     assert on_screen(wide).splitlines()[:2] == ["x" * 45, "x" * 45]
     assert closing_text(wide).splitlines()[0] == "x" * 90
     monkeypatch.setenv("COLUMNS", "100")

@@ -130,7 +130,7 @@ def grown_beyond(small, big):
     return [row for row in rows if row[2] > MOST * row[1]]
 
 
-def test_the_shapes_of_links_are_written_in_proportion_to_their_number():
+def test_shapes_are_written_in_proportion_to_their_number():
     """A chain with a ball on each link, every third of them on a fixed joint."""
 
     def exporting(size):

@@ -67,7 +67,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_file_that_holds_a_secret_in_any_form_is_refused_with_its_place(form):
+def test_file_with_a_secret_is_refused_with_its_place(form):
     text, variable = FORMS[form]
     secrets = Secrets(ENVIRON)
     with pytest.raises(SecretFound) as caught:
@@ -80,7 +80,7 @@ def test_a_file_that_holds_a_secret_in_any_form_is_refused_with_its_place(form):
         assert part not in blanked
 
 
-def test_the_key_in_a_json_file_and_the_name_of_a_file_are_reported():
+def test_secret_in_json_or_in_a_file_name_has_its_place():
     tree = {"links": [{"cad": "x"}, {"cad": {"name": f"Arm {SECRET}"}}]}
     for files, place in (
         ({"robot.json": json.dumps(tree).encode()}, "robot.json, links[1].cad.name"),
@@ -118,7 +118,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("key", WAYS)
-def test_a_configuration_with_a_secret_is_refused_by_its_key_alone(environ, key):
+def test_configuration_with_a_secret_is_refused_by_its_key(environ, key):
     with pytest.raises(ConfigError) as caught:
         compose_plan(["source=bundle", WAYS[key]])
     assert "E-SECRET" in [problem.code for problem in caught.value.problems]
@@ -143,7 +143,7 @@ def test_a_robots_file_is_judged_too_and_its_hydra_keys(environ, tmp_path):
     assert places == ["names.links.***", "hydra.sweep.subdir"]
 
 
-def test_a_sweep_with_a_secret_is_refused_before_anything_is_written(environ, tmp_path):
+def test_sweep_with_a_secret_writes_nothing(environ, tmp_path):
     arguments = ["source=sample", f"name=a,{ACCESS}", "output=x${oc.env:ONSHAPE_ACCESS_TOKEN}"]
     with session() as composer:
         asked = composer.with_params(*composer.read(arguments, multirun=True))

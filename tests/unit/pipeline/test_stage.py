@@ -1,7 +1,7 @@
 """What each stage's result depends on, and how files become values only where they must."""
 
-import ast
 import json
+import re
 
 import pytest
 
@@ -44,13 +44,11 @@ def full(tmp_path):
 
 
 def imports(folder):
-    nodes = [node for path in folder.rglob("*.py") for node in ast.walk(ast.parse(path.read_text()))]
-    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
-    names += [node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module]
-    return {name.split(".")[0] for name in names}
+    texts = [path.read_text() for path in folder.rglob("*.py")]
+    return {name for text in texts for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE)}
 
 
-def test_there_are_five_stages_with_versions_and_the_libraries_they_compute_with():
+def test_stages_have_versions_and_their_libraries():
     assert [stage.name for stage in STAGES] == ["fetch", "graph", "mesh", "export", "validate"]
     assert [stage.name for stage in stages_until("mesh")] == ["fetch", "graph", "mesh"]
     numeric = {"numpy", "scipy", "trimesh", "networkx", "mujoco"}
@@ -102,7 +100,7 @@ def test_a_workspace_is_asked_again_and_a_version_is_not(tmp_path):
     assert configs["m"] not in (None, configs["v"])
 
 
-def test_notes_hold_what_the_report_shows_and_a_count_agrees_with_its_noun():
+def test_notes_have_what_the_report_shows():
     record = json.loads(notes("2 links", (Diagnostic("W-X", "odd", "a/b", "fix"),), {"links": 2}, calls=3))
     assert record == {
         "summary": "2 links",

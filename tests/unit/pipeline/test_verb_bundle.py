@@ -65,9 +65,7 @@ def assert_same_build(again, first):
     assert reports[0]["calls"]["made"] == 0
 
 
-def test_a_bundle_builds_the_same_bytes_where_there_is_neither_cache_nor_network(
-    built, tmp_path_factory, monkeypatch, capsys
-):
+def test_bundle_builds_the_same_bytes_elsewhere(built, tmp_path_factory, monkeypatch, capsys):
     assert run(["bundle", "arm", "arm.zip"]) == 0
     assert "arm.zip: 9 replies" in capsys.readouterr().out
     elsewhere = tmp_path_factory.mktemp("elsewhere")
@@ -107,7 +105,7 @@ def test_whatever_a_build_had_to_ask_for_its_bundle_has(here, how, asked):
     assert_same_build(again, Path("outputs/arm"))
 
 
-def test_the_same_build_gives_the_same_zip_wherever_and_from_whatever_it_was_made(built, tmp_path_factory):
+def test_bundles_of_one_build_have_the_same_bytes(built, tmp_path_factory):
     assert run(["bundle", "arm", "one.zip"]) == 0
     assert run(["bundle", str(built / "outputs" / "arm"), "two.zip"]) == 0
     make("replayed", {"kind": "bundle", "path": "one.zip"}, cache={"dir": "other-cache"})
@@ -115,7 +113,7 @@ def test_the_same_build_gives_the_same_zip_wherever_and_from_whatever_it_was_mad
     assert Path("one.zip").read_bytes() == Path("two.zip").read_bytes() == Path("three.zip").read_bytes()
 
 
-def test_nothing_of_the_key_the_user_the_host_or_the_place_is_inside(built):
+def test_bundle_has_neither_key_user_host_nor_place(built):
     assert run(["bundle", "arm", "arm.zip"]) == 0
     shown = [b"acc-distinct", b"sec-distinct", USER.encode(), b"127.0.0.1", str(built).encode()]
     shown += [socket.gethostname().encode(), os.path.expanduser("~").encode()]  # noqa: PTH111
@@ -139,7 +137,7 @@ def test_a_build_that_failed_can_be_bundled_if_its_fetch_ended(here, capsys):
 
 
 @pytest.mark.parametrize("lost", ["all", "a reply", "harmed"])
-def test_what_the_cache_no_longer_has_is_reported_with_how_to_get_it(built, capsys, lost):
+def test_inputs_that_the_cache_lacks_are_reported(built, capsys, lost):
     assert run(["bundle", "arm", "arm.zip", "cache.dir=nowhere"]) == 1
     assert "nowhere: the cache lacks inputs" in capsys.readouterr().err
     shutil.copytree("cache", "elsewhere")

@@ -6,9 +6,11 @@ import shutil
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
+from linkwright.pipeline.checking import ask, wire
 from linkwright.pipeline.checking.as_document import as_document, baseline
 from linkwright.pipeline.checking.junit import as_junit
 from linkwright.pipeline.checking.lines import ElementLines
@@ -22,6 +24,7 @@ from linkwright.pipeline.json_documents.document import text_of
 from linkwright.pipeline.reference.codes import remedy
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Dynamics, Limits
+from linkwright.stages.robot.system import guest
 from linkwright.stages.validate.checks import MODEL_CHECKS
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
@@ -347,9 +350,44 @@ def test_reports_are_written_beside_the_text(folder, capsys):
     assert (Path("a.sarif").read_bytes(), Path("a.xml").read_bytes()) == first
 
 
-def test_a_build_that_ended_before_the_export_has_nothing_to_check(tmp_path, monkeypatch, capsys):
+def test_build_without_export_has_nothing_to_check(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert run(["robot=sample", "until=graph"]) == 0
     capsys.readouterr()
     assert run(["check", "outputs/sample.graph"]) == 1
     assert "that build ended before the export" in capsys.readouterr().err
+
+
+MODEL = '<mujoco><worldbody><body name="b"><joint/><geom size=".1"/></body></worldbody></mujoco>'
+
+
+@pytest.fixture
+def model(tmp_path):
+    (tmp_path / "m.xml").write_text(MODEL)
+    return str(tmp_path / "m.xml")
+
+
+def test_the_verdict_and_the_errors_are_those_of_this_process(model, tmp_path):
+    assert ask.checked(model, "standard") == checked(model, "standard")
+    (tmp_path / "robot.json").write_text("[null]")
+    for place, message in ((tmp_path, "expected a table"), (tmp_path / "none", "no such file")):
+        with pytest.raises(OutputError, match=message):
+            ask.checked(str(place), "standard")
+
+
+def test_a_verdict_is_whole_on_the_other_side():
+    finding = Finding('joint "a"', "range", "is 1")
+    failed = Check("m.xml: a", False, "off", 1.5, float("inf"), "C-A", "warning", (finding,))
+    verdict = Verdict("r", "/r", "robot", "quick", (failed, Check("b", True, "right")), ("a note",))
+    assert wire.load(wire.dump(verdict)) == verdict
+
+
+@pytest.mark.parametrize(
+    "reply", [b"", b"[]", b"{}", b"[" * 100_000, json.dumps({"checks": [None]}).encode()]
+)
+def test_invalid_reply_of_the_guest_is_an_error(model, reply):
+    with patch.object(guest, "ask", return_value=reply), pytest.raises(OutputError, match="is not a verdict"):
+        ask.checked(model, "standard")
+    ended = guest.Ended("crashed (SIGSEGV)")
+    with patch.object(guest, "ask", side_effect=ended), pytest.raises(OutputError, match="crashed"):
+        ask.checked(model, "standard")

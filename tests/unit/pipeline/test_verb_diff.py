@@ -125,7 +125,7 @@ def test_every_row_that_is_taken_out_is_told_by_its_name(robot):
                 assert {change.kind for change in changes if change.name == name} == {kind}, (table, name)
 
 
-def test_a_robot_is_like_itself_also_where_it_differs_by_rounding(robot):
+def test_robot_equals_itself_despite_rounding(robot):
     def shaken(value):
         if isinstance(value, float):
             return value * (1 + 1e-12)
@@ -176,7 +176,7 @@ def test_changes_are_said_in_the_units_of_the_field(robot):
     assert re.search(r"damping \S+ → 7 N s/m", text)
 
 
-def test_what_cad_has_under_another_name_is_renamed_and_a_part_is_followed(robot):
+def test_renamed_links_and_moved_parts_are_recognised(robot):
     """And no joint, loop, part or actuator that names it is another for that."""
     text = json.dumps(robot).replace('"forearm"', '"lower_arm"').replace('"elbow"', '"my_elbow"')
     renamed = ["links lower_arm renamed was forearm", "joints my_elbow renamed was elbow"]
@@ -219,7 +219,7 @@ def test_another_order_of_the_arrays_is_a_difference(robot):
     assert f"{', '.join(names)} → {', '.join(reversed(names))}" in text
 
 
-def test_of_folders_the_text_says_that_only_robot_json_is_compared(folder, robot, tmp_path, capsys):
+def test_text_says_that_only_robot_json_is_compared(folder, robot, tmp_path, capsys):
     file = str(saved(robot, tmp_path / "one.json"))
     for places, shown in (((folder, folder), True), ((folder, file), True), ((file, file), False)):
         run(["diff", *map(str, places)])

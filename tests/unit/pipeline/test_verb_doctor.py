@@ -41,7 +41,9 @@ def test_each_extra_has_a_row_and_a_purpose():
     assert extras - set(installation.EXTRAS) <= {"suite", "test", "dev"}
 
 
-def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch):
+def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch, tmp_path):
+    (tmp_path / "broken.py").write_text("raise ImportError('no libGL')")
+    monkeypatch.setattr(installation, "_PROBE", "broken")
     real, other = installation.installed, {"trimesh": "absent", "usd-core": "absent", "numpy": "1.0"}
     monkeypatch.setattr(installation, "installed", lambda name: other.get(name) or real(name))
     told = {row.subject: row for row in installation.examined()}
@@ -49,27 +51,20 @@ def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch):
     assert "trimesh is not installed" in told["packages"].detail
     assert "numpy is 1.0, accepted is >=2.0,<3" in told["packages"].detail
     assert (told["extra usd"].state, told["extra usd"].hint) == ("note", "pip install 'usd-core>=26.3,<27'")
+    assert (told["mujoco"].state, told["mujoco"].detail) == (
+        "wrong",
+        "it does not run: ImportError: no libGL",
+    )
 
 
-def test_a_mujoco_that_does_not_run_is_wrong(monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "broken.py").write_text("raise ImportError('no libGL')")
-    monkeypatch.setattr(installation, "_PROBE", "broken")
-    (row,) = (row for row in installation.examined() if row.subject == "mujoco")
-    assert (row.state, row.detail) == ("wrong", "it does not run: ImportError: no libGL")
-
-
-@pytest.mark.parametrize(
-    ("environ", "subject", "state", "part"),
-    [
-        ({}, "key", "note", "ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY not set"),
-        ({"ONSHAPE_ACCESS_KEY": "a" * 24}, "key", "wrong", "ONSHAPE_SECRET_KEY not set"),
-        ({"ONSHAPE_ACCESS_KEY": "a" * 24, "ONSHAPE_SECRET_KEY": "b" * 48}, "key", "ok", "0 calls counted"),
-        ({"HTTPS_PROXY": "ftp://me:secret-word@there"}, "network", "wrong", "not the address of a proxy"),
-        ({"HTTPS_PROXY": "http://me:secret-word@there:80"}, "network", "ok", "a proxy, from HTTPS_PROXY"),
-        ({"SSL_CERT_FILE": "lost.pem"}, "network", "wrong", "lost.pem is not a file"),
-    ],
-)
+@pytest.mark.parametrize(("environ", "subject", "state", "part"), [
+    ({}, "key", "note", "ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY not set"),
+    ({"ONSHAPE_ACCESS_KEY": "a" * 24}, "key", "wrong", "ONSHAPE_SECRET_KEY not set"),
+    ({"ONSHAPE_ACCESS_KEY": "a" * 24, "ONSHAPE_SECRET_KEY": "b" * 48}, "key", "ok", "0 calls counted"),
+    ({"HTTPS_PROXY": "ftp://me:secret-word@there"}, "network", "wrong", "not the address of a proxy"),
+    ({"HTTPS_PROXY": "http://me:secret-word@there:80"}, "network", "ok", "a proxy, from HTTPS_PROXY"),
+    ({"SSL_CERT_FILE": "lost.pem"}, "network", "wrong", "lost.pem is not a file"),
+])  # fmt: skip
 def test_settings_of_the_access(environ, subject, state, part, capsys):
     row = rows(capsys, environ=environ)[subject]
     assert row["state"] == state
@@ -77,14 +72,11 @@ def test_settings_of_the_access(environ, subject, state, part, capsys):
     assert not any(secret in json.dumps(row) for secret in ("secret-word", "a" * 24, "b" * 48))
 
 
-@pytest.mark.parametrize(
-    ("fault", "state", "part"),
-    [
-        (ALLOWED, "ok", "the key may read documents"),
-        (Fault(status=403, body=b"{}"), "wrong", ""),
-        (None, "wrong", ""),
-    ],
-)
+@pytest.mark.parametrize(("fault", "state", "part"), [
+    (ALLOWED, "ok", "the key may read documents"),
+    (Fault(status=403, body=b"{}"), "wrong", ""),
+    (None, "wrong", ""),
+])  # fmt: skip
 def test_onshape_is_asked_by_a_single_call(fault, state, part, capsys, tmp_path):
     with OnshapeServer(sample_document(), fault=lambda *_: fault) as server:
         environ = server.environ if fault else server.environ | {"ONSHAPE_SECRET_KEY": "wrong" * 10}
@@ -113,11 +105,8 @@ def test_only_linux_needs_a_display_to_be_named(system):
 
 
 @pytest.mark.parametrize("argument", ["--offline", "key=1", "cache.dir="])
-def test_another_argument_is_an_error(argument):
+def test_another_argument_or_host_is_an_error(argument):
     with pytest.raises(doctor.ConfigError, match="there is no"):
         doctor.run([argument], {})
-
-
-def test_the_host_of_no_onshape_gets_no_key():
     with pytest.raises(doctor.ConfigError, match="no key is sent elsewhere"):
         list(access.examined({}, places.Path(), "https://example.org/documents/" + "a" * 24, online=True))

@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,10 @@ from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.reference import SKILL
 from linkwright.pipeline.reference.codes import explanations
 from linkwright.pipeline.reference.exit_status import MEANINGS
+from linkwright.stages.graph import build_robot
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
-from tests.support.building import robot_of
+from tests.support.building import bundle_of
 from tests.support.command import COMMAND, environment, run_in
 from tests.support.users import GLOBAL, write
 
@@ -31,6 +33,11 @@ def code(language):
 ROBOT, *SNIPPETS = code("yaml")
 
 
+@cache
+def sample_bundle():
+    return bundle_of(sample_document())
+
+
 def test_it_is_a_skill_as_agents_read_them(capsys):
     head = yaml.safe_load(re.fullmatch(r"---\n(.*?)\n---\n.*", TEXT, re.DOTALL)[1])
     assert head.keys() == {"name", "description"}
@@ -44,16 +51,13 @@ def test_it_is_a_skill_as_agents_read_them(capsys):
     assert Path(capsys.readouterr().out.strip()).read_text(encoding="utf-8") == TEXT
 
 
-def test_twenty_findings_have_codes_that_exist():
+def test_twenty_findings_have_codes_and_statuses_that_exist():
     section = TEXT.partition("## The likeliest findings")[2].partition("\n## ")[0]
     findings = [line for line in section.splitlines() if line.startswith("**")]
     assert len(findings) == 20
     assert all(re.match(r"\*\*[EWC]-[A-Z-]+\*\*", line) for line in findings)
     codes = set(re.findall(r"\b[EWIC]-[A-Z][A-Z0-9-]+\b", TEXT))
     assert codes - explanations().keys() == set()
-
-
-def test_the_exit_status_is_that_of_the_commands():
     table = dict(re.findall(r"^\| (\d) \| (.+) \|$", TEXT, re.MULTILINE))
     assert table.keys() == {str(status) for status in MEANINGS["build"]}
 
@@ -68,7 +72,7 @@ def test_each_snippet_makes_a_robot(text, tmp_path):
         assert plan.source.packages == tree["source"]["packages"]
         return
     plan = compose_plan(["robot=my_arm"], (), write(tmp_path, my_arm=FROM_SAMPLE + text)).plan
-    robot = robot_of(sample_document(), plan)
+    robot = build_robot(sample_bundle(), plan)
     for glob, values in tree.get("joints", {}).items():
         dofs = [dof for joint in robot.joints for dof in joint.dofs if glob in ("*", dof.name)]
         assert dofs

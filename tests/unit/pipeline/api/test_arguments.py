@@ -110,12 +110,6 @@ def test_the_caller_can_trust_a_robot_and_plugins():
     assert plan("robot=sample", plugins=["os.path", "json"]).plugins == ("os.path", "json")
 
 
-def test_an_error_is_what_the_command_line_prints():
-    with pytest.raises(ConfigError) as typed:
-        compose_plan(["robot=arm", "mesh.tolerence=1", "root=fere"])
-    assert str(refused("robot=arm", "mesh.tolerence=1", "root=fere")) == str(typed.value)
-
-
 def test_output_and_folders_with_robots_are_arguments(tmp_path):
     assert plan("robot=arm").output is None
     assert plan("robot=arm", "output=x").output == "x"

@@ -49,7 +49,7 @@ def drawn(robot, random):
 
 
 @pytest.mark.parametrize("document", [sample_document, all_types], ids=lambda made: made.__name__)
-def test_poses_and_mass_matrix_are_those_of_mujoco_and_pinocchio(tmp_path, document):
+def test_poses_and_mass_matrix_equal_those_of_engines(tmp_path, document):
     value = decode_robot(encode_robot(robot_of(document())))
     robot = Robot(value)
     start = starting_point(value)
@@ -92,7 +92,7 @@ def test_a_body_that_moves_freely_has_six_speeds(sample):
     np.testing.assert_allclose(robot.mass_matrix(data.qpos), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_values_are_given_by_name_or_all_in_order_and_followers_go_along(sample):
+def test_values_come_by_name_or_in_order(sample):
     q = sample.values({"elbow": 0.3, "lift": np.float32(0.25)})
     assert (q["elbow"], q["lift"], q["shoulder"]) == (0.3, 0.25, 0.0)
     assert list(q) == list(sample.dofs)

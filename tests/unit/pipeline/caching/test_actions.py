@@ -1,6 +1,8 @@
-"""Actions: what is in the key, what is a hit, and what the modes do."""
+"""Actions and the store of their files: keys, hits, modes; whole files only, and harm is a miss."""
 
+import contextlib
 import json
+import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -8,7 +10,8 @@ from dataclasses import replace
 import pytest
 
 from linkwright.pipeline.caching.actions import Action, Cache, folder, opened
-from linkwright.pipeline.caching.store import Store
+from linkwright.pipeline.caching.store import MAX_TEMPORARY_AGE, Store
+from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError, ConfigError
 
 ACTION = Action("mesh", 1, {"tolerance": 0.1}, {"robot": "d1"}, {"numpy": "2.0"})
@@ -46,7 +49,7 @@ def blob_of(cache, name):
     return cache.store.root / "cas" / digest[:2] / digest
 
 
-def test_the_key_depends_on_all_but_the_order_of_inputs_and_libraries():
+def test_key_depends_on_all_but_the_order_of_inputs():
     """The order of a mapping in the configuration counts: globs are read in their order."""
     for change in ({"stage": "export"}, {"version": 2}, {"config": {"tolerance": 0.2}},
                    {"inputs": {"robot": "d2"}}, {"libraries": {"numpy": "2.1"}}):  # fmt: skip
@@ -133,7 +136,7 @@ def test_refresh_and_force_make_once_again_and_overwrite(cache):
     assert (dict(files), cached) == ({"a": b"forced"}, True)
 
 
-def test_bypass_neither_reads_nor_writes_the_shared_cache_and_leaves_nothing(tmp_path):
+def test_bypass_leaves_the_shared_cache_alone(tmp_path):
     shared = tmp_path / "shared"
     with opened("use", str(shared)) as cache:
         cache.run(ACTION, Maker())
@@ -148,7 +151,7 @@ def test_bypass_neither_reads_nor_writes_the_shared_cache_and_leaves_nothing(tmp
     assert not private.exists()
 
 
-def test_the_plan_wins_over_the_environment_and_that_over_the_platform(tmp_path):
+def test_cache_folder_is_that_of_the_plan_first(tmp_path):
     environ = {"LINKWRIGHT_CACHE": str(tmp_path / "env")}
     assert folder(str(tmp_path / "plan"), environ) == tmp_path / "plan"
     assert folder(None, environ) == tmp_path / "env"
@@ -163,7 +166,7 @@ def test_the_plan_wins_over_the_environment_and_that_over_the_platform(tmp_path)
         assert caught.value.where == key
 
 
-def test_memo_keys_by_kind_key_and_library_and_may_run_inside_an_action(cache):
+def test_memo_depends_on_kind_key_and_library(cache):
     asked = []
 
     def make(memo, kind, key):
@@ -179,7 +182,7 @@ def test_memo_keys_by_kind_key_and_library_and_may_run_inside_an_action(cache):
     assert len(asked) == 4
 
 
-def test_a_memo_tells_what_was_there_before_and_how_long_it_took(cache):
+def test_memo_reports_hits_and_seconds(cache):
     hits, key = [], {"part": 1}
 
     def slow():
@@ -196,23 +199,18 @@ def test_a_memo_tells_what_was_there_before_and_how_long_it_took(cache):
     assert refreshed.seconds < made.seconds
 
 
-def test_replies_are_kept_by_request_survive_refresh_and_the_last_counts(cache):
-    request = "/assemblies/d/x/m/y/e/z?configuration=default"
+def test_replies_and_facts_of_a_request_are_kept_apart(cache):
+    request, facts = "/assemblies/d/x/m/y/e/z?configuration=default", {"microversion": "b", "at": 1.5}
+    assert cache.replies().get(request) is cache.replies().recall(request) is None
+    for last in ({"microversion": "a"}, facts):
+        cache.replies().remember(request, last)
+    assert again(cache, "refresh").replies().recall(request) == facts
     assert cache.replies().get(request) is None
     for reply in (b"[]", b"{}"):
         cache.replies().put(request, reply)
     assert again(cache, "refresh").replies().get(request) == b"{}"
+    assert cache.replies().recall(request) == facts
     assert cache.replies().get(request + "&x=1") is None
-
-
-def test_facts_are_remembered_until_they_change_and_are_no_replies(cache):
-    assert cache.replies().recall("/x") is None
-    cache.replies().remember("/x", {"microversion": "a"})
-    cache.replies().remember("/x", {"microversion": "b", "at": 1.5})
-    assert again(cache).replies().recall("/x") == {"microversion": "b", "at": 1.5}
-    assert cache.replies().get("/x") is None
-    cache.replies().put("/x", b"{}")
-    assert cache.replies().recall("/x") == {"microversion": "b", "at": 1.5}
 
 
 def test_a_subject_is_worked_on_by_one_thread_at_a_time(cache):
@@ -236,3 +234,76 @@ def test_a_result_that_does_not_last_is_made_again(cache):
         files, cached = cache.run(ACTION, make, lasts=lambda files: files["value"] != b"by chance")
         assert (files["value"], cached) == (b"by chance", False)
     assert make.calls == 2
+
+
+KEY = "ab" * 32
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "cache")
+
+
+@pytest.fixture
+def record(store):
+    store.publish(KEY, {"stage": "x"})
+    return store.root / "ac" / "ab" / f"{KEY}.json"
+
+
+@pytest.mark.parametrize("harm", [b"hullo", b"hell"])
+def test_harmed_blob_is_missing_until_it_is_put_again(store, harm):
+    digest = store.put(b"hello")
+    assert digest == sha256(b"hello")
+    path = store.root / "cas" / digest[:2] / digest
+    assert path.read_bytes() == b"hello"
+    assert path.stat().st_mode & 0o777 == 0o444
+    path.chmod(0o644)
+    path.write_bytes(harm)
+    assert store.get(digest) is None
+    assert not store.intact(digest, 5)
+    store.put(b"hello")
+    assert store.get(digest) == b"hello", "to put it again repairs it"
+
+
+def test_record_is_marked_as_used_when_it_is_read(store, record):
+    os.utime(record, (1, 1))
+    assert store.record(KEY) == {"stage": "x"}
+    assert record.stat().st_mtime > time.time() - 60
+    for harm in (b"", b'{"stage": "x', b"[1]", b"\xff\xfe"):
+        record.write_bytes(harm)
+        assert store.record(KEY) is None
+
+
+def test_old_leftovers_of_killed_processes_are_removed(store):
+    old, fresh, folder = (store.root / "tmp" / name for name in ("old", "fresh", "folder"))
+    folder.mkdir()
+    for path in (old, fresh, folder / "inside"):
+        path.write_bytes(b"")
+    past = time.time() - MAX_TEMPORARY_AGE - 60
+    os.utime(old, (past, past))
+    os.utime(folder, (past, past))
+    Store(store.root)
+    assert [path.name for path in (store.root / "tmp").iterdir()] == ["fresh"]
+
+
+def test_scratch_folder_is_gone_after_an_error(store):
+    with contextlib.suppress(ZeroDivisionError), store.scratch() as folder:
+        (folder / "x").write_bytes(b"x")
+        assert folder.exists()
+        raise ZeroDivisionError
+    assert not folder.exists()
+
+
+def test_cache_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(CacheError) as caught:
+        Store(tmp_path / "file" / "cache")
+    for words in (str(tmp_path / "file" / "cache"), "cache.dir", "LINKWRIGHT_CACHE"):
+        assert words in str(caught.value)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_cache_folder_that_may_not_be_written_is_named(store):
+    (store.root / "tmp").chmod(0o555)
+    with pytest.raises(CacheError, match="cache"):
+        Store(store.root)

@@ -1,4 +1,4 @@
-"""One cache on a file system that hosts share: other clocks, no locks, and a file system that is lost."""
+"""Many processes on one cache: killed ones, and hosts with other clocks, no locks, or a lost file system."""
 
 import errno
 import fcntl
@@ -6,6 +6,8 @@ import json
 import os
 import random
 import re
+import subprocess
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +17,7 @@ import pytest
 from linkwright.pipeline.caching import maintenance, shared
 from linkwright.pipeline.caching.actions import Action, Cache
 from linkwright.pipeline.caching.store import MAX_TEMPORARY_AGE, Store
+from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError
 from linkwright.pipeline.output import manifest
 from linkwright.pipeline.output.folder import Output
@@ -24,6 +27,8 @@ from tests.fake_onshape.server import OnshapeServer
 from tests.fake_onshape.settable import configured_stand
 from tests.support.command import environment, linkwright
 from tests.support.hosts import COMMAND, Host
+from tests.support.kill import killed_at
+from tests.support.places import PROJECT
 
 DAY = 24 * 3600.0
 HOSTS = (
@@ -97,7 +102,7 @@ def test_a_paid_reply_that_cannot_be_read_now_is_never_a_miss(tmp_path, monkeypa
 
 
 @pytest.mark.usefixtures("_hurried")
-def test_a_reply_is_kept_also_where_the_file_system_is_away_for_a_while(tmp_path, monkeypatch):
+def test_reply_is_kept_when_the_file_system_comes_back(tmp_path, monkeypatch):
     replies = Cache(Store(tmp_path)).replies()
     real, left = os.replace, [2]
 
@@ -128,7 +133,7 @@ def test_a_rename_whose_answer_was_lost_is_done(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("_hurried")
-def test_a_collection_stops_where_it_cannot_read_what_names_the_blobs(tmp_path, monkeypatch):
+def test_collection_stops_at_an_unreadable_record(tmp_path, monkeypatch):
     replies = Cache(Store(tmp_path)).replies()
     replies.put("request", b"body")
     for path in tmp_path.glob("cas/*/*"):
@@ -220,7 +225,7 @@ def test_hosts_that_die_at_random_share_a_cache(tmp_path, request):
 
 
 @pytest.mark.slow
-def test_jobs_on_hosts_that_die_and_lose_the_file_system_complete_in_the_next_run(tmp_path):
+def test_jobs_on_failing_hosts_complete_in_the_next_run(tmp_path):
     legs = "'200 mm','0.3 m'"
     with OnshapeServer(configured_stand()) as server:
         line = ["-m", "name=stand", "until=graph", "page.preview=none", "source=onshape"]
@@ -273,3 +278,91 @@ def test_jobs_on_hosts_that_die_and_lose_the_file_system_complete_in_the_next_ru
     ]
     assert robots[0] == robots[1]
     assert len(robots[0]) == 6
+
+
+COUNTING_WORKER = """
+import random, sys
+from pathlib import Path
+from linkwright.pipeline.caching.actions import Action, Cache
+from linkwright.pipeline.caching.store import Store
+
+root, ledger, seed, actions = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
+cache = Cache(Store(root))
+order = list(range(actions))
+random.Random(seed).shuffle(order)
+print("ready", flush=True)
+for number in order:
+    def make():
+        with ledger.open("a") as file:
+            file.write(f"{number}\\n")
+        inner = cache.memo("part", 1, {})("double", {"n": number // 2}, lambda: b"%d" % (number // 2))
+        return {"big": b"%d," % number * 200_000, "inner": inner}
+    files, _ = cache.run(Action("test", 1, number), make)
+    assert files["big"] == b"%d," % number * 200_000
+"""
+
+
+def worker(folder, seed, actions):
+    words = [folder / "cache", folder / "ledger", seed, actions]
+    return subprocess.Popen(
+        [sys.executable, "-c", COUNTING_WORKER, *map(str, words)], cwd=PROJECT, text=True,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+
+
+def assert_whole(root):
+    """Every blob has its digest's bytes, and every record's blobs are there."""
+    for blob in (root / "cas").glob("*/*"):
+        assert sha256(blob.read_bytes()) == blob.name
+    cache = Cache(Store(root))
+    for record in (root / "ac").glob("*/*.json"):
+        json.loads(record.read_bytes())
+        assert cache.find(record.stem) is not None
+
+
+def test_six_processes_make_each_action_once(tmp_path):
+    for process in [worker(tmp_path, seed, 12) for seed in range(6)]:
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 0, errors
+    assert sorted(map(int, (tmp_path / "ledger").read_text().split())) == list(range(12))
+    assert_whole(tmp_path / "cache")
+
+
+@pytest.mark.slow
+def test_writers_killed_at_random_leave_whole_files(tmp_path):
+    chance = random.Random(7)
+    for attempt in range(8):
+        process = worker(tmp_path, attempt, 200)
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(chance.uniform(0, 0.15))
+        process.kill()
+        process.communicate()
+        assert_whole(tmp_path / "cache")
+    process = worker(tmp_path, 99, 20)
+    assert process.wait(timeout=60) == 0
+    process.communicate()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_action_killed_at_any_step_is_a_miss_or_a_whole_hit(tmp_path):
+    action, outputs = Action("test", 1), {"a": b"alpha" * 100_000, "b": b"beta"}
+
+    def work(root):
+        cache = Cache(Store(root))
+        cache.run(action, lambda: outputs)
+        cache.run(Action("next", 1), lambda: outputs)
+
+    work(tmp_path / "warm")  # so that what is imported late is not counted as a step
+    step, outcomes = 1, set()
+    while killed_at(step, lambda: work(tmp_path / str(step))):  # noqa: B023
+        root = tmp_path / str(step)
+        assert_whole(root)
+        files = Cache(Store(root)).find(action.key)
+        outcomes.add(files is not None)
+        assert files is None or dict(files) == outputs
+        work(root)
+        assert dict(Cache(Store(root)).find(action.key)) == outputs
+        step += 1
+    assert step > 10
+    assert outcomes == {True, False}, "the kills must fall before and after the publication"

@@ -40,7 +40,7 @@ def kept(cache, number):
     return cache.find(Action("test", 1, number).key) is not None
 
 
-def test_what_is_there_is_counted_and_what_is_unreadable_goes_first(cache, tmp_path):
+def test_summary_counts_and_unreadable_records_go_first(cache, tmp_path):
     assert maintenance.summary(tmp_path / "none") == maintenance.CacheSummary(0, 0, 0, 0)
     make(cache, 1)
     make(cache, 2)
@@ -56,7 +56,7 @@ def test_what_is_there_is_counted_and_what_is_unreadable_goes_first(cache, tmp_p
     assert kept(cache, 1)
 
 
-def test_the_least_recently_used_goes_first_and_what_is_shared_stays(cache):
+def test_least_recently_used_record_goes_first(cache):
     for number in range(4):
         make(cache, number)
     root = cache.store.root
@@ -188,7 +188,7 @@ class TestCommand:
         [], ["clean"], ["info", "gc"], ["gc", "--max-size"], ["gc", "--max-size=big"],
         ["gc", "--max-size=-1G"], ["info", "--max-size=1G"], ["info", "--jsn"],
     ])  # fmt: skip
-    def test_wrong_usage_is_reported_with_2_and_the_help_shows_the_options(self, arguments, capsys):
+    def test_wrong_usage_of_cache_ends_with_2(self, arguments, capsys):
         assert run(["cache", *arguments]) == 2
         assert "linkwright cache" in capsys.readouterr().err
         assert run(["cache", "--help"]) == 0

@@ -1,15 +1,19 @@
-"""What Hydra composes here is what Hydra alone composes, and the files are those of its own defaults list."""
+"""What Hydra composes here, and which jobs it makes, are those of Hydra alone; files may change."""
+
+import itertools
 
 import pytest
 from hydra import compose, initialize_config_module
 from hydra._internal import defaults_list
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
 from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
-from linkwright.pipeline.config.hydra.loader import PRIMARY, composed
+from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, parsed
 from linkwright.pipeline.config.hydra.node import search_path_override
+from linkwright.pipeline.sweep.run import jobs_of
 from tests.support.users import MY_ARM, write
 
 GLOBAL = "# @package _global_\n"
@@ -107,3 +111,57 @@ def test_jobs_with_the_same_options_have_one_defaults_list(here, monkeypatch):
                 section = composer.compose(overrides).plan.mesh
                 assert (section.collider, section.tolerance) == (mesh, float(tolerance))
     assert len([args for args in listed if "mesh=hull" in str(args)]) == 1
+
+
+USUAL = ("source=sample", "name=arm")
+
+
+def jobs(*arguments, judge=lambda _: ()):
+    with session(()) as composer:
+        asked = composer.with_params(*composer.read([*USUAL, *arguments], multirun=True))
+        assert not asked.problems
+        return asked.overrides, jobs_of(composer, asked, judge).jobs
+
+
+def settings(plan):
+    return [plan.joints[name].model_dump(exclude_unset=True) for name in plan.joints]
+
+
+def test_keys_with_globs_are_swept_beside_each_other():
+    _, made = jobs(
+        "joints.*.damping=1,2", "joints.*.friction=3,4", "joints.lift.armature=0.1", "mesh=hull,raw"
+    )
+    drawn = list(itertools.product((1, 2), (3, 4), ("hull", "raw")))
+    assert [
+        (job.overrides["joints.*.damping"], job.overrides["joints.*.friction"], job.overrides["mesh"])
+        for job in made
+    ] == drawn
+    assert [job.label for job in made] == [
+        f"joints.*.damping={damping} joints.*.friction={friction} mesh={mesh}"
+        for damping, friction, mesh in drawn
+    ]
+    for job, (damping, friction, _) in zip(made, drawn, strict=True):
+        assert settings(job.plan) == [{"damping": damping, "friction": friction}, {"armature": 0.1}]
+
+
+def test_the_last_of_a_key_wins_and_other_keys_are_kept():
+    _, made = jobs("joints.*.damping=1,2", "mesh=raw,hull", "joints.*.damping=3,4,5", "mesh=visual")
+    assert [settings(job.plan) for job in made] == [[{"damping": value}] for value in (3, 4, 5)]
+    assert {job.overrides["mesh"] for job in made} == {"visual"}
+    _, made = jobs("joints.*.damping=5", "joints.*.friction=3,4")
+    assert [settings(job.plan) for job in made] == [[{"damping": 5, "friction": value}] for value in (3, 4)]
+    assert [job.overrides["joints.*.damping"] for job in made] == [5, 5]
+
+
+@pytest.mark.parametrize("arguments", [
+    ("mesh=glob(h*)", "root=auto,fixed"),
+    ("vars.x=range(1,4)", "+vars.y='a b',\"c,d\"", "vars.z={a: 1, b: [1,2]}"),
+    ("vars.x=1,2", "vars.y=null", "vars.x=3,4", "~mesh.coacd", "vars.i='${vars.x}'"),
+    ("joints.*.damping=choice(2)", "joints.a.friction=sort(3,1,2)"),
+])  # fmt: skip
+def test_jobs_are_those_of_hydras_own_sweeper(arguments):
+    with session(()) as composer:
+        asked = composer.with_params(*composer.read(arguments, multirun=True))
+        combinations = composer.reading.jobs(asked.overrides)
+    batches = BasicSweeper.split_arguments([parsed(override.hydra) for override in asked.overrides], None)
+    assert combinations == [list(job) for batch in batches for job in batch]

@@ -8,7 +8,7 @@ import yaml
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.options import Command, UsageError, parse
-from linkwright.pipeline.report import Report
+from tests.support.stand_in_builds import ended
 from tests.support.users import URL, write
 
 MY_ARM = """\
@@ -34,17 +34,21 @@ def printed(capsys, *arguments, status=0):
     return capsys.readouterr().out
 
 
-def test_cfg_job_prints_the_plan_as_written_or_resolved_and_builds_nothing(here, capsys):
+def test_cfg_job_prints_the_plan_written_or_resolved(here, capsys):
     tree = yaml.safe_load(printed(capsys, "--cfg", "job", "robot=my_arm", "root=free", "--resolve"))
     assert tree == compose_plan(["robot=my_arm", "root=free"], cwd=here).plan.tree()
     assert tree["mass"]["density"] == 900
     tree = yaml.safe_load(printed(capsys, "--cfg", "job", "robot=my_arm"))
     assert tree["mass"]["density"] == "${oc.env:DENSITY,900}"
     assert tree["joints"]["*"]["limits"] == [-1, "${vars.reach}"]
+    tree = yaml.safe_load(printed(capsys, "--cfg", "hydra", "robot=my_arm"))
+    assert list(tree) == ["hydra"]
+    assert tree["hydra"]["runtime"]["choices"]["robot"] == "my_arm"
+    assert {"hydra", "mass"} <= set(yaml.safe_load(printed(capsys, "-c", "all", "robot=my_arm")))
     assert sorted(path.name for path in here.iterdir()) == ["robot"]
 
 
-def test_it_needs_no_credentials_but_a_configuration_that_is_right(here, capsys):
+def test_cfg_needs_no_credentials_but_a_right_plan(here, capsys):
     assert "kind: onshape" in printed(capsys, "--cfg", "job", "source=onshape", f"source.url='{URL}'")
     assert run(["--cfg", "job", "robot=my_arm", "foo=1", "root=fred"]) == 2
     shown = capsys.readouterr().err
@@ -62,13 +66,6 @@ def test_it_needs_no_credentials_but_a_configuration_that_is_right(here, capsys)
 def test_a_part_of_it_is_printed_by_its_key(here, capsys, package, text):
     assert printed(capsys, "--cfg", "job", "--package", package, "robot=my_arm").startswith(text)
     printed(capsys, "--cfg", "job", "-p", f"{package}x", "robot=my_arm", status=2)
-
-
-def test_what_concerns_hydra_is_printed_too(here, capsys):
-    tree = yaml.safe_load(printed(capsys, "--cfg", "hydra", "robot=my_arm"))
-    assert list(tree) == ["hydra"]
-    assert tree["hydra"]["runtime"]["choices"]["robot"] == "my_arm"
-    assert {"hydra", "mass"} <= set(yaml.safe_load(printed(capsys, "-c", "all", "robot=my_arm")))
 
 
 @pytest.mark.slow
@@ -107,8 +104,12 @@ def test_info_helps_where_the_configuration_is_wrong(here, capsys):
     (["--run", "a=1"], Command(("a=1",))),
     (["--install-completion"], Command(show="install-completion")),
     (["--install-completion", "zsh"], Command(show="install-completion", subject="zsh")),
+    (["-m", "a=1", "--config-dir", "x", "--config-dir=y", "~b", "c=-1"],
+     Command(("a=1", "~b", "c=-1"), ("x", "y"), multirun=True)),
+    (["-v", "a=1"], Command(("a=1",), detail="all")), (["--verbose"], Command(detail="all")),
+    (["-q"], Command(detail="errors")),
 ])  # fmt: skip
-def test_hydras_options_are_read(arguments, command):
+def test_options_are_read(arguments, command):
     assert parse(arguments) == command
 
 
@@ -121,6 +122,9 @@ def test_hydras_options_are_read(arguments, command):
     (["--config-name", "x"], "there is no option --config-name here\n  → a robot is a file"),
     (["-cp", "x"], "there is no option -cp here\n  → add a folder of your own"),
     (["--nope"], "there is no option --nope\n  → linkwright --help"),
+    (["--config-dir"], "--config-dir needs a folder\n  → "),
+    (["-q", "-v"], "-q and -v exclude each other\n  → "),
+    (["-m", "--plan", "root=fixed,free"], "--plan needs a file"),
 ])  # fmt: skip
 def test_an_option_that_cannot_be_is_reported(arguments, shown):
     with pytest.raises(UsageError) as caught:
@@ -132,7 +136,7 @@ def test_an_option_that_cannot_be_is_reported(arguments, shown):
 def test_info_speaks_also_after_a_sweep_in_the_same_process(here, capsys):
     """A sweep's logging quiets Hydra, and switches off the loggers that were there before it."""
     sweep = ["-m", "robot=my_arm", "root=auto,free", "hydra/launcher=basic"]
-    assert run(sweep, lambda plan: Report("built", plan.name, str(plan.folder), plan.until, 0)) == 0
+    assert run(sweep, ended) == 0
     assert logging.getLogger("hydra").level == logging.WARNING
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("hydra.")]:
         logging.getLogger(name).disabled = True

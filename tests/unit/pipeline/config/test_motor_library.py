@@ -32,7 +32,7 @@ def refusal(cwd, *arguments):
     return str(error.value)
 
 
-def test_a_motor_of_ones_own_is_found_where_one_works_and_beside_robot(tmp_path):
+def test_motor_of_the_user_is_beside_robot(tmp_path):
     for folder, whose in (("here", "My"), ("there", "Their")):
         write(tmp_path / folder, MINE.replace("My", whose))
     assert compose_plan(ARGUMENTS, cwd=tmp_path / "here").plan.motors["mine"].title == "My servo"
@@ -43,7 +43,7 @@ def test_a_motor_of_ones_own_is_found_where_one_works_and_beside_robot(tmp_path)
     assert plan.motors["mine"].title == "Their servo"
 
 
-def test_a_file_of_ones_own_takes_the_place_of_ours_and_the_robots_that_of_any_file(tmp_path):
+def test_motor_of_the_robot_wins_over_any_file(tmp_path):
     write(tmp_path, name="sts3215")
     arguments = ["source=sample", "actuators.elbow.motor=sts3215"]
     assert compose_plan(arguments, cwd=tmp_path).plan.motors["sts3215"].title == "My servo"
@@ -54,7 +54,7 @@ def test_a_file_of_ones_own_takes_the_place_of_ours_and_the_robots_that_of_any_f
     assert compose_plan(["source=sample"], cwd=tmp_path).plan.motors == {}, "without a motor nothing is read"
 
 
-def test_an_unknown_motor_is_told_with_near_names_and_all_that_there_are(tmp_path):
+def test_unknown_motor_comes_with_near_names_and_all(tmp_path):
     write(tmp_path)
     text = refusal(tmp_path, "source=sample", "actuators.elbow.motor=sts3251")
     assert "E-MOTOR actuators.elbow.motor: there is no motor sts3251" in text
@@ -64,6 +64,8 @@ def test_an_unknown_motor_is_told_with_near_names_and_all_that_there_are(tmp_pat
     motors = "motors={my_servo:{title:x,values:{kp:{value:1,source:a,kind:measured}}}}"
     text = refusal(tmp_path, "source=sample", motors, "actuators.elbow.motor=my_serwo")
     assert "did you mean my_servo?" in text
+    text = refusal(tmp_path, "source=sample", "motors={my_servo:{title:x}}")
+    assert "gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m s/rad]" in text
 
 
 @pytest.mark.parametrize(("text", "message"), [
@@ -80,17 +82,15 @@ def test_a_wrong_file_is_named(tmp_path, text, message):
     assert message in error
 
 
-def test_the_hint_of_a_missing_key_is_one_line(tmp_path):
-    text = refusal(tmp_path, "source=sample", "motors={my_servo:{title:x}}")
-    assert "gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m s/rad]" in text
-
-
 def test_motors_are_no_options_and_no_group(tmp_path):
     write(tmp_path)
     (tmp_path / "robot").mkdir()
     presets = Presets(cwd=tmp_path)
     assert [option for option in presets.options("actuators") if "/" in option] == []
     assert presets.own_groups() == []
+    assert {file.parent for file in library().values()} == {OURS / "actuators" / "motors"}
+    for file in library().values():
+        assert yaml.safe_load(file.read_text(encoding="utf-8"))["title"]
     assert "there is no such option" in refusal(tmp_path, "source=sample", "actuators=motors/sts3215")
 
 
@@ -101,9 +101,3 @@ def test_explain_tells_the_values_of_a_motor_and_their_sources(tmp_path, monkeyp
     assert "Feetech STS3215" in explained("sts3215")
     with pytest.raises(ConfigError, match="no such code, key, motor or variable"):
         explained("sts32")
-
-
-def test_every_motor_of_ours_lies_where_the_package_of_the_presets_is():
-    assert {file.parent for file in library().values()} == {OURS / "actuators" / "motors"}
-    for file in library().values():
-        assert yaml.safe_load(file.read_text(encoding="utf-8"))["title"]

@@ -1,13 +1,14 @@
-"""Overrides as they are typed, and as Hydra gets them."""
+"""Overrides as they are typed and as Hydra gets them, and what composing leaves open."""
 
+import copy
 from pathlib import Path
 
 import pytest
 
+from linkwright.pipeline.config.choices import Choices, resolve_choices
 from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.overrides import read
-from linkwright.pipeline.config.presets import GROUPS
-from linkwright.pipeline.terminal.pasted import override
+from linkwright.pipeline.config.presets import GROUPS, SEVERAL
 
 
 @pytest.fixture(scope="module")
@@ -55,16 +56,11 @@ def test_an_override_becomes_one_that_hydra_can_carry(values, typed, hydra):
     ("ground=glob(*)", "ground=none,plane"),
     ("root=glob(f*)", "root=fixed,free"),
     ("root=glob([*],exclude=f*)", "root=auto,central"),
+    ("joints.*.damping=1,2", "++joints={*:{damping:1}},{*:{damping:2}}"),
 ])  # fmt: skip
-def test_a_glob_over_a_group_becomes_the_options_that_it_matches(values, typed, hydra):
+def test_a_swept_override_has_all_its_values(values, typed, hydra):
     (override,), problems = read([typed], GROUPS, values, multirun=True)
-    assert (override.hydra, problems) == (hydra, [])
-
-
-def test_a_sweep_over_a_path_with_a_glob_nests_every_value(values):
-    (override,), _ = read(["joints.*.damping=1,2"], GROUPS, values, multirun=True)
-    assert override.hydra == "++joints={*:{damping:1}},{*:{damping:2}}"
-    assert override.swept
+    assert (override.hydra, override.swept, problems) == (hydra, True, [])
 
 
 PASTE = (
@@ -77,7 +73,7 @@ PASTE = (
     "url", ["https://cad.onshape.com/e/1?a=b", "https://x/y?a,b", "https://x/y#z", "http://x/(1)"]
 )
 @pytest.mark.parametrize("multirun", [False, True])
-def test_a_url_without_quotes_is_answered_with_the_line_to_paste(values, url, multirun):
+def test_url_without_quotes_comes_with_the_line_to_paste(values, url, multirun):
     overrides, problems = read(["joints.*.damping=1", f"source.url={url}"], GROUPS, values, multirun)
     if multirun and "," in url:
         assert problems == []  # a sweep over two values, as far as anyone can tell
@@ -131,7 +127,28 @@ def test_what_cannot_be_carried_is_answered_with_what_to_do(values, typed, messa
     ]
 
 
-def test_quotes_inside_and_outside():
-    assert override("a", "b c") == "\"a='b c'\""
-    assert override("a", "'b'") == "\"a='b'\""
-    assert override("a", "$b") == "'a='\"'\"'$b'\"'\"''"
+NONE = dict.fromkeys(SEVERAL, ())
+"""No option of a group that takes several."""
+
+ROOT, URL = {"base": "fixed", "select": "x"}, {"kind": "onshape", "url": "mine"}
+FREE = {"root": {"base": "free", "select": "auto"}}
+FOREIGN = {"url": "u", "tessellation": {}, "path": "p", "mine": 1}
+
+
+@pytest.mark.parametrize(("key", "tree", "choices", "expected"), [
+    pytest.param("root", ROOT, [NONE, (), FREE, frozenset({"root.select"})],
+        {"base": "free", "select": "x"}, id="a preset of the command line wins but for keys set there"),
+    pytest.param("source", URL, [NONE, (), {"source": {"kind": "onshape", "url": "???"}}], URL,
+        id="a preset without a value leaves the robot's own"),
+    pytest.param("source", FOREIGN,
+        [NONE, (), {"source": {"kind": "bundle"}}, frozenset({"source.tessellation.angle"})],
+        {"tessellation": {}, "path": "p", "mine": 1, "kind": "bundle"},
+        id="keys of another source go unless the command line set them"),
+    pytest.param("export", {"urdf": {"meshes": "relative"}, "sdff": {}}, [{**NONE, "export": ("mjcf",)}],
+        {"sdff": {}, "mjcf": {}}, id="formats that are not chosen go and unknown ones stay to be judged"),
+])  # fmt: skip
+def test_choices_win_over_the_tree(key, tree, choices, expected):
+    whole = {"name": "a", key: tree}
+    before = copy.deepcopy(whole)
+    assert resolve_choices(whole, Choices("arm", *choices))[key] == expected
+    assert whole == before

@@ -42,7 +42,7 @@ def shown(folder, text):
     pytest.param("vars: [" + "1, " * 20_000 + "1]\n", ["more than 20000 values"], id="many"),
     pytest.param("vars: '" + "x" * (5 << 20) + "'\n", ["at most 4194304 are read"], id="large"),
 ])  # fmt: skip
-def test_a_robot_that_comes_to_too_much_is_reported_by_its_place(tmp_path, text, output_text):
+def test_yaml_of_too_many_values_is_reported_by_its_place(tmp_path, text, output_text):
     message = shown(tmp_path, text)
     assert [words for words in ["E-YAML", "bad.yaml", *output_text] if words not in message] == []
 
@@ -64,7 +64,7 @@ def test_interpolations_that_come_to_too_much_are_reported(tmp_path, monkeypatch
 
 
 @pytest.mark.slow
-def test_what_is_nested_too_deeply_on_the_command_line_is_reported(tmp_path):
+def test_deep_nesting_on_the_command_line_is_reported(tmp_path):
     for value in ("[" * 400 + "]" * 400, "{a:" * 400 + "1" + "}" * 400):
         with pytest.raises(ConfigError, match="nested too deeply"):
             compose_plan(["robot=sample", f"joints={value}"], cwd=tmp_path)

@@ -42,7 +42,7 @@ def put_everything(folder):
     return {path: value for path, value in content(folder).items() if path not in before}
 
 
-def test_what_is_not_ours_is_carried_over_untouched_and_named_in_one_line(output, heard):
+def test_user_files_are_carried_over_and_named(output, heard):
     named = json.loads((output.target / manifest.NAME).read_bytes())["files"]
     assert set(named) == set(build(b""))
     assert manifest.ours(output.target) == named
@@ -89,7 +89,7 @@ COMING = [*build(b""), "scene.xml"]
 
 @pytest.mark.parametrize("kind", IN_THE_WAY)
 @pytest.mark.parametrize("suffix", ["", ".graph"])
-def test_what_is_in_the_way_stops_a_build_before_it_starts_with_ways_out(output, kind, suffix):
+def test_entry_in_the_way_stops_a_build_before_it_starts(output, kind, suffix):
     output.publish(build(b"1\n"), suffix)
     script, shown = IN_THE_WAY[kind]
     shell(output.folder(suffix), script)
@@ -130,7 +130,7 @@ def test_what_was_replaced_before_is_never_overwritten(tmp_path, output):
     }  # fmt: skip
 
 
-def test_a_path_that_is_known_only_late_stops_at_the_swap_and_both_are_kept(output):
+def test_file_in_the_way_of_a_late_path_stops_the_swap(output):
     (output.target / "assets" / "b.stl").write_text("mine")
     output.prepare("", COMING)
     before = content(output.target)
@@ -161,7 +161,7 @@ def test_other_line_ends_and_deleted_files_are_no_change(output):
     assert content(output.target) == build(b"2\n")
 
 
-def test_a_folder_of_version_0_1_is_known_by_its_report_and_the_usual_names(output):
+def test_folder_of_version_0_1_is_known_by_its_report(output):
     digest = manifest.ours(output.target)["arm.xml"]
     (output.target / manifest.NAME).unlink()
     report = {"linkwright-report": 1, "outputs": {"arm.xml": digest, "assets/a.stl": digest, "../x": digest}}
@@ -178,8 +178,7 @@ def test_a_folder_of_version_0_1_is_known_by_its_report_and_the_usual_names(outp
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "{", "[]", '{"linkwright-files": 1}', '{"linkwright-files": 1, "files": []}', "[" * 100_000],
+    "text", ["", "{", "[]", '{"linkwright-files": 1}', '{"linkwright-files": 1, "files": []}', "[" * 100_000]
 )
 def test_a_manifest_that_is_harmed_makes_nothing_ours(output, text):
     (output.target / manifest.NAME).write_text(text)
@@ -187,7 +186,7 @@ def test_a_manifest_that_is_harmed_makes_nothing_ours(output, text):
         output.judge("", COMING)
 
 
-def test_a_manifest_that_names_what_is_outside_has_no_effect_there(tmp_path, output):
+def test_manifest_has_no_effect_outside_its_folder(tmp_path, output):
     shell(tmp_path, "mkdir far; printf mine > far/a; printf mine > mine; ln -s ../far arm/out")
     paths = dict.fromkeys(["../mine", str(tmp_path / "mine"), "out/a", "./arm.xml", "..", "."])
     manifest.write(output.target, paths)
@@ -207,7 +206,7 @@ def test_what_cannot_be_moved_stops_a_build_also_with_overwrite(output, monkeypa
 
 @pytest.mark.parametrize("name", [".arm.tmp", ".arm.old"])
 @pytest.mark.parametrize("there", [True, False])
-def test_what_others_put_beside_under_a_name_of_ours_is_moved_and_kept(tmp_path, heard, name, there):
+def test_sibling_under_a_name_of_ours_is_moved_and_kept(tmp_path, heard, name, there):
     output = Output(tmp_path / "arm", heard.append)
     if there:
         output.publish(build(b"1\n"))
@@ -219,7 +218,7 @@ def test_what_others_put_beside_under_a_name_of_ours_is_moved_and_kept(tmp_path,
     assert [line for line in heard if f"arm.replaced/{name}" in line]
 
 
-def test_a_failed_folder_never_fails_a_good_build_and_keeps_what_is_not_ours(tmp_path, output, heard):
+def test_failed_folder_never_fails_a_good_build(tmp_path, output, heard):
     output.publish({"report.json": OURS, "build.log": b"1\n", "report.html": b"1\n"}, FAILED)
     failed = output.folder(FAILED)
     (failed / "NOTES.md").write_text("mine")
@@ -238,7 +237,7 @@ def test_a_failed_folder_never_fails_a_good_build_and_keeps_what_is_not_ours(tmp
 
 
 @pytest.mark.parametrize("make", [lambda path: path.write_text("mine"), lambda path: path.symlink_to("arm")])
-def test_what_is_no_folder_in_the_place_of_the_failed_one_never_fails_a_good_build(output, make):
+def test_file_for_the_failed_folder_fails_no_good_build(output, make):
     make(output.folder(FAILED))
     before = content_of(output.folder(FAILED))
     output.prepare()
@@ -271,7 +270,7 @@ def test_what_is_no_folder_in_the_place_of_the_failed_one_never_fails_a_good_bui
     ("robots", "holds the source"),
     ("robots/arm", "holds the source"),
 ])  # fmt: skip
-def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, monkeypatch, folder, shown):
+def test_impossible_place_is_refused_with_a_way_out(tmp_path, monkeypatch, folder, shown):
     here = tmp_path / "home" / "work"
     here.mkdir(parents=True)
     monkeypatch.chdir(here)
@@ -305,7 +304,7 @@ def mixed(output, text):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_kill_at_every_step_leaves_a_whole_build_its_mode_and_the_users_files(tmp_path):
+def test_kill_at_any_step_leaves_a_build_and_user_files(tmp_path):
     mixed(Output(tmp_path / "warm" / "arm"), b"0")
     # So that late imports are no steps.
     Output(tmp_path / "warm" / "arm", overwrite=True).publish(build(b"1"))
@@ -340,7 +339,7 @@ def test_a_kill_at_every_step_leaves_a_whole_build_its_mode_and_the_users_files(
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_kill_at_every_step_of_removing_loses_nothing_of_the_users(tmp_path):
+def test_kill_at_any_step_of_removing_loses_no_user_file(tmp_path):
     for step in range(1, 100):
         output = Output(tmp_path / str(step) / "arm")
         output.publish({"report.json": OURS, "build.log": b"1", "assets/a": b"2"}, FAILED)

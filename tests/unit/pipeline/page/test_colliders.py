@@ -40,7 +40,7 @@ REMEMBERED = [
 TABLES = details(GEOMETRY, REMEMBERED)
 
 
-def test_each_collider_has_its_figures_and_the_time_of_all_its_steps():
+def test_collider_has_its_figures_and_the_time_of_its_steps():
     first, second, sleeve, net = TABLES["colliders"]
     assert first == {
         "link": "base", "parts": ("Foot <1>",), "maker": "ladder", "rung": "cylinder", "pieces": 1,
@@ -54,7 +54,7 @@ def test_each_collider_has_its_figures_and_the_time_of_all_its_steps():
     assert details(GEOMETRY, REMEMBERED[::-1]) == TABLES, "the order in which they were made does not matter"
 
 
-def test_links_have_totals_of_their_colliders_and_of_what_an_engine_collides():
+def test_links_have_totals_of_colliders_and_geoms():
     assert TABLES["links"] == [
         {"link": "base", "colliders": 2, "pieces": 2, "vertices": 0, "seconds": 1.25, "geoms": 2},
         {"link": "arm", "colliders": 2, "pieces": 17, "vertices": 1586, "seconds": 29.501, "geoms": 17},
@@ -64,7 +64,7 @@ def test_links_have_totals_of_their_colliders_and_of_what_an_engine_collides():
     assert details(shown)["links"][-1] == rod
 
 
-def test_of_a_kept_stage_every_collider_is_kept_and_the_rest_is_the_same():
+def test_colliders_of_a_cached_stage_are_cached():
     again = kept({**TABLES, "excludes": [1]})
     assert all(row["cached"] for row in again["colliders"])
     assert [row["seconds"] for row in again["colliders"]] == [1.25, 0.0, 29.5, 0.001]
@@ -85,7 +85,7 @@ def made(tables=TABLES, views=SHOWN, secrets=None):
     return page(replace(REPORT, details=tables), views, {"arm.urdf": 1}, Secrets(secrets or {}))
 
 
-def test_what_misses_is_seen_first_and_marked_and_the_rest_is_folded():
+def test_colliders_that_miss_are_first_and_marked():
     read = Reader(made())
     assert "Colliders: 2 of 3 within the tolerance" in read.text
     assert "misses" not in read.folded
@@ -110,39 +110,28 @@ def read_of(*colliders, **more):
     return Reader(made(details(replace(GEOMETRY, colliders=colliders, **more))))
 
 
-def test_a_hull_that_nothing_judged_by_its_tolerance_is_marked_where_it_misses():
-    read = read_of(replace(EVERY[0], maker="hull", rung="hull", measures=FAR, miss=2.5))
-    assert "Colliders: 0 of 1 within the tolerance" in read.text
-    assert read.said.count("misses") == 1
+LATE = "it took longer than 60 s"
+PARTS = tuple(f"P{n}" for n in range(9))
 
 
-def test_a_hull_in_place_of_pieces_that_failed_is_in_sight():
-    note = "it took longer than 60 s"
-    read = read_of(*EVERY[:2], replace(EVERY[3], maker="coacd", rung="hull", meets=False, note=note))
-    assert "Colliders: 2 of 2 within the tolerance" in read.text
-    assert note in read.said
-    assert note not in read.folded
-    assert read.said.count("not judged") == 1
+@pytest.mark.parametrize(("colliders", "seen", "folded", "absent"), [
+    pytest.param([replace(EVERY[0], maker="hull", rung="hull", measures=FAR, miss=2.5)],
+        ["Colliders: 0 of 1 within the tolerance", "misses"], [], [], id="a hull that misses"),
+    pytest.param([*EVERY[:2], replace(EVERY[3], maker="coacd", rung="hull", meets=False, note=LATE)],
+        ["Colliders: 2 of 2 within the tolerance", LATE, "not judged"], [], [], id="a hull for pieces"),
+    pytest.param(EVERY[3:], ["Colliders", "1 not judged"], ["the mesh itself"],
+        ["within the tolerance", "Stands out"], id="nothing judged, so no figure is explained"),
+    pytest.param([replace(EVERY[0], measures=replace(NEAR, extra=None), parts=PARTS)],
+        ["P0, P1, P2 and 6 more"], ["no volume / 17.9 %"], [], id="no volume, and many parts together"),
+])  # fmt: skip
+def test_what_misses_or_was_not_judged_is_in_sight(colliders, seen, folded, absent):
+    read = read_of(*colliders)
+    assert read.lacking(*seen, *folded, *absent) == absent
+    assert [words for words in ("misses", LATE, "not judged") if words in seen and words in read.folded] == []
+    assert [words for words in folded if words not in read.folded] == []
 
 
-def test_where_nothing_was_judged_no_figure_is_explained():
-    read = read_of(*EVERY[3:])
-    assert "Colliders" in read.said
-    assert read.lacking("1 not judged", "within the tolerance", "Stands out") == [
-        "within the tolerance",
-        "Stands out",
-    ]
-    assert "the mesh itself" in read.folded
-
-
-def test_a_part_without_a_volume_and_many_parts_together_are_told():
-    parts = tuple(f"P{n}" for n in range(9))
-    read = read_of(replace(EVERY[0], measures=replace(NEAR, extra=None), parts=parts))
-    assert "no volume / 17.9 %" in read.folded
-    assert any("P0, P1, P2 and 6 more" in said for said in read.said)
-
-
-def test_pictures_are_in_the_page_folded_with_words_for_who_does_not_see_them():
+def test_pictures_are_folded_and_have_words():
     data = made(views=shown("base", "arm <2>", left_out=["hand", "head"]))
     read = Reader(data)
     assert read.links.count(f"data:image/png;base64,{PIXEL}") == 2
@@ -158,7 +147,7 @@ def test_a_robot_without_colliders_has_no_such_section(tables, views):
     assert "Colliders" not in Reader(made(tables, views)).text
 
 
-def test_the_page_tells_which_colliders_of_two_links_do_not_collide():
+def test_page_has_colliders_of_links_that_do_not_collide():
     shapes = tuple(replace(shape, collider=0) for shape in SHAPES[1:])
     some = Exclude("base", "arm", "Always", 0.00193, ((0, 0), (0, 3)))
     whole = Exclude("arm", "hand", "Adjacent", 0.001)

@@ -8,35 +8,27 @@ import pytest
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.page.head import DOCUMENTS
 from linkwright.pipeline.reference.codes import explanations
-from linkwright.pipeline.report import Report, StageReport
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.show.graph_view.views import OUTLINE, views
 from tests.support.page_reader import Reader
 from tests.support.places import PROJECT
+from tests.unit.pipeline.test_report import REPORT as PLAIN
 from tests.unit.show.graph_view.test_picture import nasty_robot, random_robot
 
 SECRET = "s3cr3t-&-value"
 SHOWN = {name: data.decode() for name, data in views(random_robot(12)).items()}
-REPORT = Report(
-    status="invalid",
+REPORT = replace(
+    PLAIN,
     name="arm <1>",
-    folder="outputs/arm",
-    until="validate",
-    exit_status=3,
-    source={"kind": "onshape", "microversion": "m1"},
     calls={"made": 5, "saved": 2, "remaining": {"definition": 40}},
-    stages=(StageReport("fetch", True, 0.004, "3 replies"), StageReport("graph", False, 12.5, "2 links")),
     figures={"links": 2, "mass": 1.5, "dof": 1},
     diagnostics=(
         Diagnostic("I-FYI", "as asked"),
         Diagnostic("W-LIMIT", "no <limits> & so on", "Arm/Elbow [left]", "set joints.elbow.limits"),
     ),
-    checks=(Check("compiles", True, "ok"), Check("mass", False, "1 kg instead of 2 kg", 1.0, 2.0)),
     outline=tuple(SHOWN[OUTLINE].splitlines()),
-    outputs={"arm.urdf": "ab" * 32},
-    versions={"linkwright": "0.1.0"},
 )
 
 
@@ -111,7 +103,7 @@ def test_what_failed_is_seen_first_and_what_passed_is_folded():
     assert "2 passed" in read.text
 
 
-def test_a_check_that_comes_to_the_same_in_several_files_has_one_row():
+def test_check_with_the_same_result_in_all_files_has_one_row():
     checks = tuple(check(f"{file}: mass", value=1e-12) for file in ("arm.xml", "scene.xml"))
     checks += (check("arm.urdf: mass", value=2e-12), check("no_warnings"))
     text = Reader(made(replace(REPORT, checks=checks))).text
@@ -131,12 +123,9 @@ def test_every_code_leads_to_what_it_means():
         first = explanations()[code].meaning.partition("`")[0].strip()
         assert first in read.text
     assert "I-FYI" in read.text
-
-
-def test_the_tables_of_codes_are_read_whole():
     tables = [(PROJECT / "stages" / name).read_text() for name in ("DIAGNOSTICS.md", "CHECKS.md")]
     rows = [line for table in tables for line in table.splitlines() if line[:3] == "| `"]
-    assert len(explanations()) == len(rows) > 100
+    assert len(explanations()) == len(rows) > 100, "the tables are read whole"
 
 
 def test_files_are_links_and_those_of_meshes_are_folded():

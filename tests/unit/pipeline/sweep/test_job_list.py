@@ -9,6 +9,7 @@ import yaml
 
 from linkwright.pipeline.config.files.file_text import as_yaml
 from linkwright.pipeline.lock import FOLDER as LOCKS
+from linkwright.pipeline.reference.exit_status import MEANINGS
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, OnshapeServer
 from tests.fake_onshape.settable import configured_stand
@@ -37,6 +38,7 @@ class Place:
     def __call__(self, *arguments, status=0, **variables):
         done = called(self.here, *arguments, environ={**self.environ, **variables})
         assert done.returncode == status, done.stderr + done.stdout
+        assert status in MEANINGS.get(arguments[0], {status})
         assert "Traceback" not in done.stderr
         return done
 
@@ -103,7 +105,7 @@ def keyless(server):
     return {"ONSHAPE_ACCESS_KEY": "", "ONSHAPE_SECRET_KEY": "", "LINKWRIGHT_HOST": server.url}
 
 
-def test_the_jobs_of_a_list_are_those_of_the_sweep_and_the_list_is_the_same_again(place, tmp_path):
+def test_jobs_of_a_list_are_those_of_the_sweep(place, tmp_path):
     more = "vars={x: 'é', y: \"a\\tb\", z: [1, {w: null}]}"
     assert place.plan(more) == "jobs.json: 3 jobs\n"
     assert not (place.here / "outputs").exists()
@@ -149,7 +151,7 @@ def test_what_became_of_each_job_is_told_from_the_folders_alone(planned):
     assert sum(all(stage["cached"] for stage in report["stages"]) for report in reports) == 1
 
 
-def test_a_job_that_fails_is_told_and_has_the_status_of_its_build(place):
+def test_job_that_fails_has_the_status_of_its_build(place):
     place.plan(swept=("robot=arm", "root.select=nothing,auto", "until=graph", "page.preview=none"))
     assert "error: job 0 (root.select=nothing): " in place.job(0, status=1).stderr
     assert place.jobs(status=1) == "1 failed, 1 missing"
@@ -180,7 +182,7 @@ def test_a_list_goes_with_its_tree_to_another_place(place, tmp_path):
     assert "its working folder work" in done.stderr
 
 
-def test_a_robot_that_changed_makes_the_list_stale_and_then_the_builds(planned):
+def test_list_of_a_changed_robot_is_stale(planned):
     planned.job(0)
     write(planned.here, arm=ARM.replace("fixed", "free"))
     stale = planned.job(0, status=2).stderr
@@ -192,7 +194,7 @@ def test_a_robot_that_changed_makes_the_list_stale_and_then_the_builds(planned):
     assert planned.jobs(status=1) == "1 done, 2 missing"
 
 
-def test_a_failure_of_another_sweep_in_the_same_folders_is_stale(place):
+def test_failure_of_another_sweep_in_the_folders_is_stale(place):
     numbered = ("hydra.sweep.dir=s", "hydra.sweep.subdir='${hydra.job.num}'")
     place("-m", "robot=arm", "joints.nowhere.damping=1,2", "until=graph", *numbered, status=1)
     place.plan(*numbered)
@@ -219,34 +221,34 @@ def test_a_file_that_is_no_list_is_one_message(place, content, message, verb):
     assert done.stderr.count("error:") == 1
 
 
-@pytest.mark.parametrize("change", [
-    {"jobs": []}, {"jobs": [5]}, {"cwd": 5}, {"overrides": [5]}, {"overrides": None}, {"folder": None},
-    {"more": 1},
-])  # fmt: skip
-def test_a_list_that_was_damaged_is_one_message(planned, change):
-    planned.change({**planned.list, **change})
-    assert "damaged" in planned.job(0, status=2).stderr
+STALE = "job 0 (joints.*.damping=1): the list is stale"
 
 
-@pytest.mark.parametrize(("key", "value"), [
-    ("folder", "../../x"), ("folder", "outputs/arm.sweep/../../x"), ("folder", "outputs/arm.sweep"),
-    ("folder", "/tmp/x"), ("suffix", "/../../x"),
-])  # fmt: skip
-def test_a_job_outside_the_folder_of_its_sweep_is_refused(planned, key, value):
+@pytest.mark.parametrize(("change", "message"), [
+    *(({key: value}, "damaged") for key, value in (
+        ("jobs", []), ("jobs", [5]), ("cwd", 5), ("overrides", [5]), ("overrides", None), ("folder", None),
+        ("more", 1),
+    )),
+    *(({"jobs": [{key: value}]}, "damaged") for key, value in (
+        ("folder", "../../x"), ("folder", "outputs/arm.sweep/../../x"), ("folder", "outputs/arm.sweep"),
+        ("folder", "/tmp/x"), ("suffix", "/../../x"),
+    )),
+    ({"jobs": [{"folder": "outputs/arm.sweep/x"}]}, STALE), ({"jobs": [{"suffix": ".x"}]}, STALE),
+], ids=str)  # fmt: skip
+def test_a_list_that_was_edited_is_one_message(planned, change, message):
+    """A change of the first job, such as a folder outside that of the sweep, leaves the other jobs."""
     table = planned.list
-    table["jobs"][0][key] = value
+    match change:
+        case {"jobs": [dict() as job]}:
+            table["jobs"][0] |= job
+        case _:
+            table |= change
     planned.change(table)
-    for verb in (["job", "jobs.json", "0"], ["jobs", "jobs.json"]):
-        assert "damaged" in planned(*verb, status=2).stderr
-
-
-@pytest.mark.parametrize(("key", "value"), [("folder", "outputs/arm.sweep/x"), ("suffix", ".x")])
-def test_a_job_whose_folder_is_not_that_of_its_configuration_is_stale(planned, key, value):
-    table = planned.list
-    table["jobs"][0][key] = value
-    planned.change(table)
-    assert "job 0 (joints.*.damping=1): the list is stale" in planned.job(0, status=2).stderr
-    planned.job(1)
+    assert message in planned.job(0, status=2).stderr
+    if message == "damaged":
+        assert message in planned("jobs", "jobs.json", status=2).stderr
+    else:
+        planned.job(1)
 
 
 def test_a_subdir_with_the_time_in_it_is_the_one_of_the_list(place):
@@ -291,7 +293,7 @@ def test_wrong_usage_is_one_message(planned, arguments, message):
     assert (planned.here / "robot" / "arm.yaml").read_text() == ARM
 
 
-def test_a_list_of_a_document_is_fetched_once_and_its_jobs_ask_nothing(stand, server, tmp_path):
+def test_list_of_a_document_is_fetched_once_for_its_jobs(stand, server, tmp_path):
     line = stand.plan(swept=stand.swept)
     # The parameters and two definitions; then the base, the jaw and two legs, two calls each.
     assert server.count == 3
@@ -335,7 +337,7 @@ def test_the_state_of_a_list_is_fetched_also_after_an_edit(stand, server):
     assert stand.jobs(status=1) == "4 stale"
 
 
-def test_offline_a_list_asks_nothing_and_is_pinned_when_it_is_fetched(stand, server):
+def test_list_written_offline_is_pinned_when_it_is_fetched(stand, server):
     line = stand.plan("--offline", swept=stand.swept, **keyless(server))
     assert not server.calls
     assert line == "jobs.json: 4 jobs, 2 configurations, at least 2 calls\n"
@@ -352,7 +354,7 @@ def test_offline_a_list_asks_nothing_and_is_pinned_when_it_is_fetched(stand, ser
     stand.job(0, **keyless(server))
 
 
-def test_configurations_that_cannot_be_fetched_for_the_same_reason_are_one_message(stand, server):
+def test_failures_of_a_fetch_for_one_reason_are_one_message(stand, server):
     lengths = ",".join(f"'{length} mm'" for length in range(200, 205))
     line = [f"source.configuration.leg_length={lengths}" if LEGS in text else text for text in stand.swept]
     stand.plan("--offline", swept=line, **keyless(server))
@@ -361,7 +363,7 @@ def test_configurations_that_cannot_be_fetched_for_the_same_reason_are_one_messa
     assert "error: jobs 0, 2, 4 and 2 more: no Onshape API key" in refused
 
 
-def test_a_configuration_that_cannot_be_fetched_is_named_and_fails_its_jobs_alone(stand, server):
+def test_failed_fetch_is_named_and_fails_its_jobs_alone(stand, server):
     stand.plan(swept=stand.swept)
     server.fault = lambda method, target, number: Fault(404) if "0.3%2Bm" in target else None
     assert stand("jobs", "jobs.json", "--fetch", status=1).stderr.count("error: job 2 ") == 1

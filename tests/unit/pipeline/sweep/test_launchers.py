@@ -12,14 +12,17 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from hydra.core.plugins import Plugins
+from hydra.plugins.launcher import Launcher
 
 from linkwright.pipeline.cli import run
-from linkwright.pipeline.report import Report
 from linkwright.pipeline.sweep.launchers.processors import share
 from linkwright.stages.robot.system import process_usage
 from linkwright.stages.robot.system.install import install
 from tests.support.places import PROJECT
 from tests.support.processes import gone
+from tests.support.stand_in_builds import ended
+from tests.unit.pipeline.sweep.test_sweep import ending, planned
 
 SWEEP = ["-m", "source=sample", "root=auto,fixed"]
 LOCAL = "hydra/launcher=slurm_local"
@@ -34,8 +37,7 @@ def _in_an_empty_folder(tmp_path, monkeypatch):
 
 def finishing(plan):
     """A build that succeeds, and tells how many processors it may use."""
-    figures = {"processors": float(process_usage.processors())}
-    return Report("built", plan.name, str(plan.folder), plan.until, 0, figures=figures)
+    return ended(plan, figures={"processors": float(process_usage.processors())})
 
 
 def killed_once(plan):
@@ -81,7 +83,7 @@ def test_a_process_uses_no_more_processors_than_its_share():
 
 
 @pytest.mark.skipif(find_spec("hydra_plugins.hydra_ray_launcher") is not None, reason="Ray is installed")
-def test_a_launcher_without_its_plug_in_is_one_message_with_the_command_that_installs_it(tmp_path, capsys):
+def test_launcher_without_its_plug_in_comes_with_its_command(tmp_path, capsys):
     assert run([*SWEEP, "hydra/launcher=ray"]) == 2
     text = "E-OPTION every job: hydra/launcher=ray: the launcher ray needs a plug-in of Hydra"
     assert text in capsys.readouterr().err
@@ -100,9 +102,7 @@ def test_a_launcher_without_its_plug_in_is_one_message_with_the_command_that_ins
     ("slurm", "memory=3", "E-OVERRIDE hydra.launcher.memory: is not a setting of this launcher"),
     ("slurm", "partition=main", "hydra/launcher: Slurm is not on this computer"),
 ])  # fmt: skip
-def test_wrong_settings_of_a_launcher_are_one_message_before_anything_is_built(
-    tmp_path, monkeypatch, capsys, launcher, typed, shown
-):
+def test_wrong_settings_of_a_launcher_are_one_message(tmp_path, monkeypatch, capsys, launcher, typed, shown):
     pytest.importorskip("hydra_plugins.hydra_submitit_launcher")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert run([*SWEEP, f"hydra/launcher={launcher}", f"hydra.launcher.{typed}"], finishing) == 2
@@ -112,7 +112,7 @@ def test_wrong_settings_of_a_launcher_are_one_message_before_anything_is_built(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("detail", [[], ["-q"]])
+@pytest.mark.parametrize("detail", [[], pytest.param(["-q"], marks=pytest.mark.slow)])
 def test_a_sweep_on_submitit_tells_first_where_its_jobs_go(capsys, detail):
     pytest.importorskip("hydra_plugins.hydra_submitit_launcher")
     assert run([*SWEEP, LOCAL, *detail], finishing) == 0
@@ -182,7 +182,7 @@ def test_an_interrupt_ends_the_processes_of_submitit(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("launcher", ["workstation", "slurm_local"])
-def test_a_sweep_that_was_killed_itself_completes_in_the_next_run(tmp_path, launcher):
+def test_killed_sweep_completes_in_the_next_run(tmp_path, launcher):
     pytest.importorskip("hydra_plugins.hydra_submitit_launcher")
     sweep, processes = begun(tmp_path, *SWEEP, f"hydra/launcher={launcher}")
     sweep.kill()
@@ -193,3 +193,60 @@ def test_a_sweep_that_was_killed_itself_completes_in_the_next_run(tmp_path, laun
     assert gone(processes)
     assert run([*SWEEP, f"hydra/launcher={launcher}"], finishing) == 0
     assert [job["status"] for job in jobs()] == [0, 0]
+
+
+def test_jobs_run_side_by_side_with_joblib(capsys):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    arguments = ["-m", "source=sample", "root=auto,fixed,free", "hydra/launcher=workstation"]
+    assert run([*arguments, "hydra.launcher.n_jobs=2"], ending) == 1
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:-1]] == ["0", "3", "1"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("size", "batches"), [("-1", 1), ("2", 2), ("null", 1)])
+def test_jobs_may_be_launched_in_batches(size, batches, monkeypatch):
+    # Hydra loads its plug-ins itself, so that an import may give another class of that name.
+    launchers = {launcher.__name__: launcher for launcher in Plugins.instance().discover(Launcher)}
+    basic = launchers["BasicLauncher"]
+    launched, launch = [], basic.launch
+
+    def watched(self, jobs, initial_job_idx):
+        launched.append(initial_job_idx)
+        return launch(self, jobs, initial_job_idx)
+
+    monkeypatch.setattr(basic, "launch", watched)
+    plans = planned("source=sample", "root=auto,fixed,free", f"hydra.sweeper.max_batch_size={size}")
+    assert [plan.root.base for plan in plans] == ["auto", "fixed", "free"]
+    assert launched == [0, 2][:batches]
+
+
+def test_a_launcher_that_cannot_run_is_reported(capsys):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    planned(
+        "source=sample", "root=auto,free", "hydra/launcher=joblib", "hydra.launcher.batch_size=0", status=2
+    )
+    message = "error: hydra/launcher: cannot run the jobs: batch_size must be"
+    assert capsys.readouterr().err.startswith(message)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signal masks")
+def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    arguments = ["-m", "root=auto,fixed,free", "ground=plane,none", "hydra/launcher=workstation"]
+    sweep = subprocess.Popen(
+        [sys.executable, "-m", "linkwright", *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(PROJECT), "LINKWRIGHT_CACHE": str(tmp_path / "cache")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    first = sweep.stderr.readline()
+    os.killpg(sweep.pid, signal.SIGINT)
+    out, err = sweep.communicate(timeout=60)
+    assert (sweep.returncode, out) == (130, "")
+    lines = [first, *err.splitlines()]
+    assert lines[-1] == "error: interrupted"
+    assert [line for line in lines[:-1] if not re.match(r"job \d (starts|ended)", line)] == []

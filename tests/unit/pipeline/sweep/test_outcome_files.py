@@ -11,7 +11,6 @@ import pytest
 
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.report import Report
 from linkwright.pipeline.sweep import outcome_files
 from linkwright.pipeline.sweep.folder import write_summaries
 from linkwright.pipeline.sweep.outcome import sweep_status
@@ -19,18 +18,19 @@ from linkwright.pipeline.sweep.outcome_files import begin, outcomes_of
 from linkwright.pipeline.sweep.summary_updates import updating_summary
 from linkwright.stages.robot.errors import MeshError
 from tests.support.processes import python
+from tests.support.stand_in_builds import ended
 
 SWEEP = ["-m", "source=sample", "root=auto,fixed,free", "output=there"]
 
 KILLS_ITSELF = f"""
 import os, signal
 from linkwright.pipeline.cli import run
-from linkwright.pipeline.report import Report
+from tests.support.stand_in_builds import ended
 
 def build(plan):
     if plan.root.base == "fixed":
         os.kill(os.getpid(), signal.SIGKILL)
-    return Report("built", plan.name, str(plan.folder), plan.until, 0, figures={{"mass": 2.5}})
+    return ended(plan, figures={{"mass": 2.5}})
 
 run({SWEEP!r}, build)
 """
@@ -45,7 +45,7 @@ def building(plan):
     if plan.root.base == "free":
         msg = "no triangles"
         raise MeshError(msg)
-    return Report("built", plan.name, str(plan.folder), plan.until, 0, figures={"mass": 2.5})
+    return ended(plan, figures={"mass": 2.5})
 
 
 def rows(root):
@@ -77,7 +77,7 @@ def test_the_folder_alone_has_all_outcomes_wherever_it_is_read(tmp_path, monkeyp
 
 def test_after_a_kill_of_the_sweep_each_job_has_its_own_outcome(tmp_path):
     done = python("-c", KILLS_ITSELF, cwd=tmp_path, LINKWRIGHT_CACHE=str(tmp_path / "cache"))
-    assert done.returncode < 0
+    assert done.returncode < 0, done.stderr
     root = tmp_path / "there"
     killed = (1, "failed", "was killed before its end")
     assert rows(root) == [(0, "built", "valid"), killed, (2, "missing", "missing")]
@@ -89,7 +89,7 @@ def test_after_a_kill_of_the_sweep_each_job_has_its_own_outcome(tmp_path):
     assert states(root) == ["built", "built", "failed"]
 
 
-def test_a_job_that_runs_elsewhere_is_running_and_one_that_ran_again_has_its_new_outcome(monkeypatch):
+def test_outcome_of_a_job_is_its_newest_on_any_host(monkeypatch):
     run(SWEEP, building)
     root = Path("there")
     with monkeypatch.context() as patch:
@@ -104,7 +104,7 @@ def test_a_job_that_runs_elsewhere_is_running_and_one_that_ran_again_has_its_new
     assert states(root) == ["running", "built", "built"]
 
 
-def test_a_new_run_begins_without_the_outcomes_of_the_last():
+def test_a_new_run_begins_without_the_outcomes_of_the_last(capsys):
     run(SWEEP, building)
 
     def interrupted(plan):
@@ -113,6 +113,7 @@ def test_a_new_run_begins_without_the_outcomes_of_the_last():
         return building(plan)
 
     assert run(SWEEP, interrupted) == 130
+    assert capsys.readouterr().err.endswith("\njob 1 starts: root=fixed\nerror: interrupted\n")
     assert states(Path("there")) == ["built", "missing", "missing"]
     # An interrupted sweep has its summary.
     assert "1 of 3 jobs built and valid" in Path("there/summary.html").read_text()
@@ -123,7 +124,7 @@ def test_the_summary_is_written_while_jobs_run(monkeypatch):
 
     def build(plan):
         page = Path("there/summary.html")
-        for _ in range(200):
+        for _ in range(200 if len(pages) < 2 else 0):
             text = page.read_text() if page.is_file() else ""
             if "of 3 jobs" in text and text not in pages:
                 pages.append(text)
@@ -164,7 +165,7 @@ def kept(tmp_path_factory):
     {"gpu": "a key of a later version"}, {"number": None}, {"status": "0"}, {"folder": 3}, {"label": 3},
     {"overrides": []}, {"figures": None}, {"problems": [3]}, 3, [3], [{}],
 ], ids=str)  # fmt: skip
-def test_a_summary_of_a_later_version_or_edited_by_hand_is_refused_by_its_name(kept, change):
+def test_summary_that_was_edited_is_refused_by_its_name(kept, change):
     """A change of a job, or what is there in place of the jobs."""
     shutil.copytree(kept, "there")
     summary = Path("there/summary.json")
@@ -178,20 +179,6 @@ def test_a_summary_of_a_later_version_or_edited_by_hand_is_refused_by_its_name(k
         list(outcomes_of(Path("there")))
     assert caught.value.where == str(summary)
     assert "remove it and run the sweep again" in caught.value.hint
-
-
-def test_an_outcome_has_no_secret(monkeypatch):
-    secret = "s3cr3t-value-of-a-key"
-    monkeypatch.setenv("ONSHAPE_SECRET_KEY", secret)
-
-    def build(plan):
-        msg = f"no {secret}"
-        raise MeshError(msg)
-
-    run(SWEEP, build)
-    files = [path for path in Path("there").rglob("*") if path.is_file()]
-    assert [path.name for path in files if path.name.endswith(".outcome.json")]
-    assert [path for path in files if secret.encode() in path.read_bytes()] == []
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from linkwright.pipeline.config.objective_section import ObjectiveSection
 from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.search import MAX_VALUES, Trials, corners
-from tests.support.command import environment, linkwright
+from tests.support.command import called, environment, linkwright
 from tests.support.users import write
 
 TOY = '''
@@ -86,7 +86,9 @@ def here(tmp_path):
 
 def searched(here, *arguments):
     environ = environment(here, seeded=False, PYTHONPATH=str(here / "plugins"))
-    return linkwright(here, *arguments, environ=environ)
+    # A process finds its plug-ins once.
+    needs_toy = {"hydra/sweeper=toy", "robot=mine"} & {*arguments}
+    return (linkwright if needs_toy else called)(here, *arguments, environ=environ)
 
 
 def rows(here, name="sample"):
@@ -99,27 +101,27 @@ def answers_in(here):
 
 
 @pytest.mark.e2e
-def test_a_search_ends_near_the_known_optimum_and_repeats_no_trial(here):
+def test_search_ends_near_the_known_optimum(here):
     objective = ["objective={_target_: far.far, args: {goal: 4.0}}", "plugins=[far]"]
-    done = searched(here, *SEARCH, "hydra.sweeper.n_trials=26", "hydra.sweeper.extra=[1.0,1.0]", *objective)
+    done = searched(here, *SEARCH, "hydra.sweeper.n_trials=18", "hydra.sweeper.extra=[1.0,1.0]", *objective)
     assert done.returncode == 0, done.stderr
     jobs = rows(here)
     costs = {job["number"]: job["objective"] for job in jobs}
     best = jobs[min(costs, key=lambda number: costs[number])]
     # The goal, less the mass of the other links, which any job tells.
     fixed_mass = jobs[0]["figures"]["mass"] - jobs[0]["overrides"]["mass.links.forearm.mass"]
-    assert best["overrides"]["mass.links.forearm.mass"] == pytest.approx(4.0 - fixed_mass, abs=1e-2)
+    assert best["overrides"]["mass.links.forearm.mass"] == pytest.approx(4.0 - fixed_mass, abs=5e-2)
     assert f"best: {best['objective']:.6g} of job {best['number']}" in done.stdout
     arguments, answers = answers_in(here)
     assert arguments == [SPACE]
-    assert len(answers) == 26
-    assert len(jobs) == 25
+    assert len(answers) == 18
+    assert len(jobs) == 17
     assert answers[0] == answers[1]
     assert answers[0][1] == pytest.approx(jobs[0]["objective"])
 
 
 @pytest.mark.e2e
-def test_an_invalid_trial_has_the_objective_of_a_failure_and_its_reason_in_the_summary(here):
+def test_invalid_trial_has_the_objective_of_a_failure(here):
     more = [
         "objective={figure: mass, failed: 77}",
         "hydra.sweeper.extra=[-1,0.5]",
@@ -135,7 +137,7 @@ def test_an_invalid_trial_has_the_objective_of_a_failure_and_its_reason_in_the_s
 
 
 @pytest.mark.e2e
-def test_a_robots_file_may_choose_the_sweeper_its_trials_and_its_space(here):
+def test_file_of_a_robot_may_choose_sweeper_and_space(here):
     tree = {"defaults": [{"override /source": "sample"}, {"override /hydra/sweeper": "toy"}]}
     tree |= {"name": "mine", "until": "graph", "objective": {"figure": "mass"}}
     key, space = SPACE.split("=")
@@ -164,7 +166,7 @@ def test_a_robots_file_may_choose_the_sweeper_its_trials_and_its_space(here):
     ([SPACE], "several values, but no sweep"),
     ([*SEARCH, "objective.figure=mass", "hydra.sweeper.n_trials=0.5"], "n_trials"),
 ])  # fmt: skip
-def test_what_cannot_be_searched_is_one_message_before_the_first_job(here, arguments, said):
+def test_impossible_search_is_one_message_before_any_job(here, arguments, said):
     done = searched(here, *arguments)
     assert done.returncode == 2
     assert said in done.stderr
@@ -180,7 +182,7 @@ def request(*spaces):
     return SimpleNamespace(overrides=swept)
 
 
-def test_each_value_and_each_corner_of_a_space_is_validated_once():
+def test_values_and_corners_of_a_space_are_validated_once():
     spaces = corners(request(["1", "2", "3"], ["a", "b"]))
     pairs = [("1", "a"), ("1", "b"), ("2", "a"), ("3", "a"), ("3", "b")]
     assert sorted(spaces) == [[f"++k0={first}", f"++k1={second}"] for first, second in pairs]
@@ -196,7 +198,7 @@ numbers = st.integers(0, 4).map(float)
     st.lists(st.tuples(numbers, numbers), max_size=8),
     st.sampled_from([("minimize",) * 2, ("maximize", "minimize")]),
 )
-def test_the_best_jobs_of_two_directions_are_those_that_no_other_beats(values, directions):
+def test_best_jobs_are_those_that_no_other_beats(values, directions):
     trials = object.__new__(Trials)
     trials._directions = directions
     trials._objective = ObjectiveSection.model_validate({"figures": ["mass", "reach"]})

@@ -1,25 +1,19 @@
 """A sweep: all jobs judged first, each in a folder of its own, the failures told at the end."""
 
 import json
-import os
 import re
 import shutil
-import signal
-import subprocess
-import sys
 from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from hydra.core.plugins import Plugins
-from hydra.plugins.launcher import Launcher
 
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.output.folder import Output
 from linkwright.pipeline.output.manifest import ours
-from linkwright.pipeline.report import Report
+from linkwright.pipeline.reference.exit_status import MEANINGS
 from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.sweep.folder import prepare, write_summaries
 from linkwright.pipeline.sweep.run import Job
@@ -28,7 +22,7 @@ from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnosti
 from tests.support.cases import mostly_slow
 from tests.support.outputs import OURS, shell
 from tests.support.page_reader import Reader
-from tests.support.places import PROJECT
+from tests.support.stand_in_builds import Recorder, ended
 from tests.support.users import URL, write
 
 SWEEP = ["-m", "source=sample", "root=auto,free", "output=there"]
@@ -43,22 +37,11 @@ def ending(plan):
         msg = "no triangles"
         raise MeshError(msg, "upper_arm")
     status = 3 if plan.root.base == "fixed" else 0
-    return Report("built", plan.name, str(plan.folder), plan.until, status)
+    return ended(plan, status)
 
 
 def interrupted(plan):
     raise KeyboardInterrupt
-
-
-class Recorder:
-    """A build that succeeds and remembers its plans."""
-
-    def __init__(self):
-        self.plans = []
-
-    def __call__(self, plan):
-        self.plans.append(plan)
-        return Report("built", plan.name, str(plan.folder), plan.until, 0)
 
 
 def planned(*arguments, status=0):
@@ -78,14 +61,14 @@ def _in_an_empty_folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("values", "status"),
-    [("auto", 0), ("auto,fixed", 3), ("auto,fixed,free", 1), ("free", 1)],
+    ("values", "status"), [("auto", 0), ("auto,fixed", 3), ("auto,fixed,free", 1), ("free", 1)]
 )
 def test_the_exit_status_is_that_of_the_worst_job(values, status):
     assert run(["-m", "source=sample", f"root={values}"], ending) == status
+    assert status in MEANINGS["sweep"]
 
 
-def test_a_job_that_fails_or_exits_stops_no_other_and_is_reported_in_the_table(capsys):
+def test_job_that_fails_or_exits_stops_no_other(capsys):
     run(["-m", "source=sample", "root=free,fixed,auto", "ground=plane,none"], ending)
     out, err = capsys.readouterr()
     rows = [re.split(r"\s{2,}", line) for line in out.splitlines()]
@@ -104,7 +87,7 @@ def test_a_job_that_fails_or_exits_stops_no_other_and_is_reported_in_the_table(c
     assert len(shown) == 12
 
 
-def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
+def test_folder_of_a_job_is_named_by_its_own_keys():
     plans = planned("source=sample", "joints.*.damping=0.1,0.2", "until=graph")
     assert [re.sub(r"[0-9a-f]{8}$", "#", plan.output) for plan in plans] == [
         "outputs/sample.sweep/joints._.damping=0.1-#",
@@ -113,17 +96,7 @@ def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
     assert [plan.joints["*"].damping for plan in plans] == [0.1, 0.2]
 
 
-@pytest.mark.slow
-def test_the_folders_are_the_same_in_the_next_run_and_differ_where_anything_differs():
-    first, again, other = (
-        {plan.output for plan in planned("source=sample", "root=auto,free", *more)}
-        for more in ((), ("cache.mode=refresh",), ("ground=none",))
-    )
-    assert first == again
-    assert not first & other
-
-
-def test_the_key_output_moves_the_sweep_whose_account_lies_beside_the_jobs(tmp_path):
+def test_output_moves_the_whole_sweep(tmp_path):
     assert run(["-m", "source=sample", "root=auto,fixed", "output=there"], ending) == 3
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
     accounts = {"multirun.yaml", "summary.csv", "summary.html", "summary.json"}
@@ -175,72 +148,12 @@ def test_a_bad_job_is_reported_and_nothing_is_built(line, shown, capsys, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
-def test_jobs_run_side_by_side_with_joblib(capsys):
-    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
-    arguments = ["-m", "source=sample", "root=auto,fixed,free", "hydra/launcher=workstation"]
-    assert run([*arguments, "hydra.launcher.n_jobs=2"], ending) == 1
-    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:-1]] == ["0", "3", "1"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("size", "batches"), [("-1", 1), ("2", 2), ("null", 1)])
-def test_jobs_may_be_launched_in_batches(size, batches, monkeypatch):
-    # Hydra loads its plug-ins itself, so that an import may give another class of that name.
-    launchers = {launcher.__name__: launcher for launcher in Plugins.instance().discover(Launcher)}
-    basic = launchers["BasicLauncher"]
-    launched, launch = [], basic.launch
-
-    def watched(self, jobs, initial_job_idx):
-        launched.append(initial_job_idx)
-        return launch(self, jobs, initial_job_idx)
-
-    monkeypatch.setattr(basic, "launch", watched)
-    plans = planned("source=sample", "root=auto,fixed,free", f"hydra.sweeper.max_batch_size={size}")
-    assert [plan.root.base for plan in plans] == ["auto", "fixed", "free"]
-    assert launched == [0, 2][:batches]
-
-
-def test_a_launcher_that_cannot_run_is_reported(capsys):
-    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
-    planned(*SWEEP[1:3], "hydra/launcher=joblib", "hydra.launcher.batch_size=0", status=2)
-    message = "error: hydra/launcher: cannot run the jobs: batch_size must be"
-    assert capsys.readouterr().err.startswith(message)
-
-
-def test_a_folder_is_no_interpolation_and_a_glob_sweeps_over_the_options_of_a_group():
+def test_glob_sweeps_over_the_options_of_a_group():
     plans = planned("source=sample", "ground=glob(*)", r"output='a\${oc.env:HOME}'")
     assert [plan.ground.kind for plan in plans] == ["none", "plane"]
     assert all(plan.output.startswith("a${oc.env:HOME}/") for plan in plans)
     assert (Path("a${oc.env:HOME}") / "multirun.yaml").is_file()
     assert [path.name for path in Path().iterdir()] == ["a${oc.env:HOME}"]
-
-
-def test_an_interrupt_ends_the_sweep(capsys):
-    assert run(["-m", "source=sample", "root=auto,free"], interrupted) == 130
-    assert capsys.readouterr().err == "job 0 starts: root=auto\nerror: interrupted\n"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signal masks")
-def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
-    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
-    arguments = ["-m", "root=auto,fixed,free", "ground=plane,none", "hydra/launcher=workstation"]
-    sweep = subprocess.Popen(
-        [sys.executable, "-m", "linkwright", *arguments],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(PROJECT), "LINKWRIGHT_CACHE": str(tmp_path / "cache")},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    first = sweep.stderr.readline()
-    os.killpg(sweep.pid, signal.SIGINT)
-    out, err = sweep.communicate(timeout=60)
-    assert (sweep.returncode, out) == (130, "")
-    lines = [first, *err.splitlines()]
-    assert lines[-1] == "error: interrupted"
-    assert [line for line in lines[:-1] if not re.match(r"job \d (starts|ended)", line)] == []
 
 
 @pytest.mark.parametrize(("script", "status", "shown"), [
@@ -257,7 +170,7 @@ def test_a_place_that_a_sweep_cannot_have_is_reported(tmp_path, capsys, script, 
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_a_sweep_over_robots_lies_in_a_folder_of_its_own_also_by_their_paths(tmp_path):
+def test_sweep_over_robots_has_a_folder_of_its_own(tmp_path):
     write(tmp_path, a=SAMPLE, b=SAMPLE)
     for robots in ("robot=a,b", "robot=robot/a.yaml,robot/b.yaml"):
         plans = planned(robots)
@@ -268,7 +181,7 @@ def test_a_sweep_over_robots_lies_in_a_folder_of_its_own_also_by_their_paths(tmp
 
 
 @pytest.mark.slow
-def test_what_is_in_the_way_of_any_job_stops_the_sweep_before_its_first_job(tmp_path, capsys):
+def test_entry_in_the_way_of_a_job_stops_the_whole_sweep(tmp_path, capsys):
     sweep = ["source=sample", "root=auto,free,fixed", "output=there"]
     first = planned(*sweep)
     for plan in first[1:]:
@@ -294,16 +207,17 @@ HOW = [
 @pytest.mark.slow
 @pytest.mark.parametrize("how", mostly_slow(HOW, keep=2))
 @pytest.mark.parametrize("values", ["auto,free", "auto"])
-def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
+def test_the_folder_of_a_job_follows_its_keys_alone(how, values, monkeypatch):
     monkeypatch.setenv("ONSHAPE_ACCESS_KEY", "key-of-a-test")
     monkeypatch.setenv("ONSHAPE_SECRET_KEY", "secret-of-a-test")
     sweep = ["source=onshape", f"source.url='{URL}'", f"root={values}", "name=sample"]
     first, again = planned(*sweep), planned(*sweep, how)
     assert [plan.folder for plan in again] == [plan.folder for plan in first]
+    assert not {plan.folder for plan in planned(*sweep, "ground=none")} & {plan.folder for plan in first}
 
 
 @pytest.mark.slow
-def test_what_the_user_keeps_in_a_sweep_stays_and_a_changed_account_stops_it(capsys):
+def test_user_files_in_a_sweep_stay(capsys):
     for _ in range(2):
         planned(*SWEEP[1:])
         Path("there/NOTES.md").write_text("mine")
@@ -333,9 +247,7 @@ def measured(plan):
         (left / "report.json").write_text(json.dumps(shown))
         msg = "no triangles"
         raise MeshError(msg)
-    return Report(
-        "invalid", plan.name, str(plan.folder), plan.until, 3, calls=CALLS, figures=FIGURES, checks=CHECKS
-    )
+    return ended(plan, 3, calls=CALLS, figures=FIGURES, checks=CHECKS)
 
 
 def test_the_summary_has_overrides_as_data_and_figures(tmp_path, capsys):
@@ -369,7 +281,7 @@ def test_the_summary_has_overrides_as_data_and_figures(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_what_an_earlier_build_left_is_no_figure_of_a_failed_job():
+def test_figures_of_a_failed_job_are_no_earlier_ones():
     def refused(plan):
         msg = "is wrong"
         raise ConfigError(msg)
@@ -381,7 +293,7 @@ def test_what_an_earlier_build_left_is_no_figure_of_a_failed_job():
 
 
 @pytest.mark.slow
-def test_a_sweep_keeps_all_its_runs_also_those_cut_short_and_of_an_older_version():
+def test_runs_of_a_sweep_are_all_kept():
     old = [{"number": 0, "label": "root=auto", "status": 0, "message": "valid", "folder": "x"}]
     Path("there").mkdir()
     Path("there/summary.json").write_text(json.dumps({"linkwright-sweep": 1, "jobs": old}))
@@ -416,7 +328,7 @@ def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch
     assert not (tmp_path / "two" / ENGINE_FILE).exists()
 
 
-def test_the_page_of_a_sweep_shows_its_jobs_and_no_secret_and_is_the_same_again(monkeypatch):
+def test_page_of_a_sweep_shows_its_jobs_and_no_secret(monkeypatch):
     secret = "s3cr3t-value-of-a-key"
     monkeypatch.setenv("ONSHAPE_SECRET_KEY", secret)
     figures = {"mass": 1.25, "links": 3}
@@ -426,14 +338,16 @@ def test_the_page_of_a_sweep_shows_its_jobs_and_no_secret_and_is_the_same_again(
             raise AssemblyError(f"no {secret}", problems=[Diagnostic("E-MASS", f"no mass {secret}", "Pin")])
         plan.folder.mkdir(parents=True, exist_ok=True)
         (plan.folder / "report.html").touch()
-        return Report("built", plan.name, str(plan.folder), plan.until, 0, figures=figures)
+        return ended(plan, figures=figures)
 
     assert run(SWEEP, build) == 1
     page = Path("there/summary.html").read_bytes()
     read = Reader(page)
     words = ("1 of 2 jobs built and valid, 1 failed", "over root", "E-MASS Pin: no mass ***", "mass 1.25 kg")
     assert not read.lacking(*words)
-    assert secret.encode() not in page
+    files = [path for path in Path("there").rglob("*") if path.is_file()]
+    assert any(path.name.endswith(".outcome.json") for path in files)
+    assert [path for path in files if secret.encode() in path.read_bytes()] == []
     folder = next(job["folder"] for job in runs_of(Path("there"))[-1]["jobs"] if job["status"] == 0)
     assert f"{folder}/report.html" in [unquote(link) for link in read.links]
     assert ours(Path("there"))["summary.html"] == sha256(page)

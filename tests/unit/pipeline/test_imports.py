@@ -1,4 +1,4 @@
-"""Imports beside the network: begun by the first calls that later stages wait for, and by no others."""
+"""What starts often imports nothing slow; what a build will need is imported beside the network."""
 
 import sys
 from threading import Event
@@ -12,6 +12,8 @@ from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import called, environment, linkwright
 from tests.support.places import PROJECT
+from tests.support.processes import python
+from tests.unit.pipeline.test_cli import HEAVY
 
 
 @pytest.fixture
@@ -26,7 +28,7 @@ def modules(tmp_path, monkeypatch):
     return write
 
 
-def test_modules_are_imported_once_and_what_is_wrong_with_one_stops_no_other(modules):
+def test_broken_module_stops_no_other_import(modules):
     modules(ahead_one="raise ValueError", ahead_two="runs = 0")
     ahead = Ahead({"stage": ["ahead_one", "ahead_missing", "ahead_two"]})
     assert "ahead_two" not in sys.modules
@@ -51,7 +53,7 @@ def test_a_stage_waits_for_its_own_modules_alone(modules, monkeypatch):
     assert sys.modules.pop("ahead_gated").ended
 
 
-def test_a_build_that_ends_waits_for_the_import_that_runs_and_begins_no_other(modules, monkeypatch):
+def test_end_of_a_build_waits_for_the_running_import(modules, monkeypatch):
     reached, ahead = Event(), Ahead({"stage": ["ahead_slow", "ahead_late"]})
     gate = SimpleNamespace(reached=reached.set, over=lambda: ahead.ending.wait(60))
     monkeypatch.setitem(sys.modules, "ahead_gate", gate)
@@ -64,7 +66,7 @@ def test_a_build_that_ends_waits_for_the_import_that_runs_and_begins_no_other(mo
 
 
 @pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
-def test_what_is_imported_ahead_is_what_the_stage_imports_when_it_runs(stage):
+def test_modules_imported_ahead_are_those_of_the_stage(stage):
     for module in stage.modules:
         words = module.removeprefix("linkwright.").split(".")
         if words[0] == "stages":
@@ -76,7 +78,7 @@ def test_what_is_imported_ahead_is_what_the_stage_imports_when_it_runs(stage):
 
 
 @pytest.mark.e2e
-def test_only_a_build_that_must_read_replies_imports_what_reads_them(tmp_path):
+def test_unchanged_workspace_imports_no_reader_of_replies(tmp_path):
     """The second build asks whether the workspace changed, and imports nothing for the answer."""
     with OnshapeServer(sample_document()) as server:
         source = ["source=onshape", f"source.url='{server.document_url()}'", "name=arm", "until=graph"]
@@ -87,3 +89,34 @@ def test_only_a_build_that_must_read_replies_imports_what_reads_them(tmp_path):
     imported = {line.rpartition("|")[2].strip() for line in profiled.stderr.splitlines() if "|" in line}
     assert "linkwright.stages.fetch.onshape.asking.freshness" in imported
     assert not {"networkx", "scipy", "mujoco", "trimesh"} & imported
+
+
+SEEN = "\nimport sys; print(sorted({!r} & {{*sys.modules}}))"
+STANDARD = {"dataclasses", "inspect", "json", "difflib"}
+"""Modules of the standard library that would take a third of the time of `--help`."""
+
+FACES = """
+from linkwright.pipeline import report, run
+from linkwright.pipeline.run import build
+from linkwright.pipeline.terminal import progress
+from linkwright.stages import export, fetch, graph, mesh, validate
+"""
+
+
+@pytest.mark.parametrize(("code", "heavy"), [
+    ("main(['--help'])", HEAVY | STANDARD),
+    ("main(['--version'])", HEAVY),
+    ("main(['bundle', '--help'])", HEAVY | {"httpx"}),
+    ("main(['cache', 'info'])", HEAVY | {"httpx", "stamina", "orjson"}),
+    ("main(['-sc', 'query=bash'])", HEAVY),
+    ("from linkwright.pipeline import motor_files; motor_files.library()", {"yaml", "pydantic"}),
+    (FACES, HEAVY - {"pydantic", "yaml", "jinja2"} | {"httpx"}),
+], ids=["help", "version", "help of a verb", "cache", "completion", "motors", "faces of stages"])  # fmt: skip
+def test_nothing_heavy_is_imported(code, heavy, tmp_path):
+    if code.startswith("main"):
+        code = f"from linkwright.pipeline.cli import main; print('exit', {code})"
+    done = python(
+        "-c", code + SEEN.format(heavy), cwd=tmp_path, COMP_LINE="linkwright root=f", HOME=str(tmp_path)
+    )
+    assert done.stdout.splitlines()[-1:] == ["[]"], done.stdout + done.stderr
+    assert "exit" not in code or "exit 0" in done.stdout

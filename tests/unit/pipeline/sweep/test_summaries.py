@@ -1,15 +1,20 @@
-"""summary.csv: read back by the standard library's reader, it has what the jobs have, and runs no formula."""
+"""The summaries of a sweep: summary.csv, which the standard library reads back, and the closing table."""
 
 import csv
 import io
 import json
 import math
+import re
+from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.summary_csv import csv_content
-from linkwright.stages.robot.text.printable import printable_lines
+from linkwright.pipeline.sweep.terminal_table import MAX_ROWS, table
+from linkwright.stages.robot.text.printable import columns, printable_lines
 from tests.unit.pipeline.page.test_sweep_page import GRID, job
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"])) | st.sampled_from(
@@ -62,7 +67,7 @@ def test_what_is_read_back_is_what_was_written(jobs):
 
 
 @given(sweeps())
-def test_no_cell_is_a_formula_and_each_line_ends_as_the_standard_says(jobs):
+def test_cells_are_no_formulas_and_lines_end_as_standard(jobs):
     data = csv_content(jobs).decode()
     for row in csv.reader(io.StringIO(data, newline=""), strict=True):
         for cell in row:
@@ -71,7 +76,7 @@ def test_no_cell_is_a_formula_and_each_line_ends_as_the_standard_says(jobs):
     assert data.endswith("\r\n")
 
 
-def test_the_columns_are_those_of_the_documents_and_the_same_again():
+def test_columns_are_those_of_the_documents():
     titles = csv_content(GRID).decode().splitlines()[0]
     assert titles == (
         "number,label,state,status,message,folder,key.mesh,key.tolerance,figure.links,figure.mass,"
@@ -82,6 +87,65 @@ def test_the_columns_are_those_of_the_documents_and_the_same_again():
     assert first == "0,mesh=hull tolerance=0.001,built,0,valid,job 0,hull,0.001,11,1.0,,3,0,1,0,5"
 
 
-def test_a_job_that_did_not_end_has_a_row():
+ROOT = Path("outputs/arm.sweep")
+
+
+def outcome(number, status=0, message="valid", **more):
+    label = f"vars.upper_arm_length=0.{number} mesh=hull"
+    figures = {"mass": 3.2, "dof": 7.0} if status in (0, 3) else {}
+    return Outcome(
+        number, label, status, message, f"{ROOT}/{label}-12345678", {}, figures, calls={"made": 1}, **more
+    )
+
+
+def rows(text):
+    return [int(match[1]) for line in text.splitlines() if (match := re.match(r"(\d+)  ", line))]
+
+
+@pytest.mark.parametrize("width", [20, 40, 72, 80, 120, 200])
+def test_it_fits_the_terminal(width):
+    jobs = [outcome(n, n % 2, f"ein Löffel 腕 ist zu groß {n} " * 5) for n in range(12)]
+    text = table(jobs, ROOT, width)
+    *lines, last = text.splitlines()
+    assert max(map(columns, lines)) <= width
+    assert rows(text) == list(range(12))
+    assert last == f"6 of 12 jobs built and valid: {ROOT}"
+    if width <= 120:
+        assert "…" in lines[1]
+
+
+def test_table_is_whole_where_there_is_room_or_no_terminal():
+    jobs = [outcome(n) for n in range(3)]
+    assert table(jobs, ROOT) == table(jobs, ROOT, 300)
+    assert "…" not in table(jobs, ROOT)
+
+
+def test_jobs_that_failed_come_first_of_many():
+    jobs = [outcome(n) for n in range(10_000)]
+    for n in (17, 4711):
+        jobs[n] = outcome(n, 1, "no triangles")
+    jobs[99] = outcome(99, 3, "a check failed")
+    for n in range(5000, 5100):
+        jobs[n] = outcome(n, None, "missing")
+    shown = rows(text := table(jobs, ROOT, 100))
+    assert len(shown) == MAX_ROWS
+    assert shown[:3] == [17, 4711, 99]
+    sample = [number for number in shown if number not in (17, 4711, 99) and not 5000 <= number < 5100]
+    assert len(sample) >= 15
+    assert sample[0] < 1000
+    assert sample[-1] > 9000
+    left_out, missing = 10_000 - MAX_ROWS, 100 - sum(5000 <= number < 5100 for number in shown)
+    counts = f"({missing} missing, {left_out - missing} built)"
+    assert f"and {left_out} more jobs {counts}: {ROOT}/summary.csv" in text
+    assert len(text.splitlines()) == MAX_ROWS + 3
+    # More failures than rows are a sample of failures.
+    shown = rows(text := table([outcome(n, 1, "no triangles") for n in range(200)], ROOT))
+    assert (len(shown), shown[0], shown[-1]) == (MAX_ROWS, 0, 195)
+    assert "and 160 more jobs (160 failed)" in text
+
+
+def test_a_job_that_runs_has_a_row_without_a_status():
     jobs = [job(0, root="a"), {**job(1, None, {}, "running", root="b"), "checks": {}, "calls": {}}]
     assert csv_content(jobs).decode().splitlines()[2] == "1,root=b,running,,running,job 1,b,,,,,,,,"
+    line = table([outcome(0, None, "running")], ROOT).splitlines()[1]
+    assert re.split(r"\s{2,}", line)[:3] == ["0", "running", "vars.upper_arm_length=0.0 mesh=hull"]
