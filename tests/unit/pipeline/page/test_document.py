@@ -152,7 +152,7 @@ def test_on_a_narrow_screen_each_cell_has_its_columns_title():
     data = made().decode()
     rows = re.findall(r"<tr>(?:<t[dh].*?)</tr>", data)
     labels = re.findall(r'<td[^>]* data-label="([^"]+)"', data)
-    assert {"range", "parent", "found", "seconds", "SHA-256"} <= set(labels)
+    assert {"range", "parent", "result", "seconds", "SHA-256"} <= set(labels)
     heads = re.findall(r'<th scope="row">(?:<a href="[^"]*">)?([^<]+)', data)
     assert {"mass", "graph", "arm.urdf"} <= set(heads)
     assert len(rows) > 12
