@@ -14,6 +14,8 @@ from tests.support.building import write
 from tests.support.drawn import PLACES, any_document, drawn, each
 from tests.support.truth import differences
 
+pytestmark = pytest.mark.e2e
+
 NEAR = 1e-11
 
 NOT_IN_IT = {

@@ -18,6 +18,8 @@ from tests.fake_onshape.random_document import documents
 from tests.support.building import write
 from tests.support.drawn import PLACES, drawn, each
 
+pytestmark = pytest.mark.e2e
+
 BODY = "<body name='{}' pos='3 0 1'>{}<geom name='{}' size='.1'/></body>"
 
 ELEMENTS = (

@@ -25,6 +25,8 @@ from tests.support.ros2 import check_control, check_manifest, home_of, packed, s
 from tests.support.urdfs import urdf_robot
 from tests.support.usd import pxr
 
+pytestmark = pytest.mark.e2e
+
 FORMATS = {"sdf": SdfParity, "usd": UsdParity}
 CHECKS = {"sdf": sdf.check_file, "usd": usd.check_file}
 

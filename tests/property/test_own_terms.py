@@ -21,6 +21,8 @@ from tests.support.engines import Mujoco, Pinocchio
 from tests.support.parity import same
 from tests.support.robots import some_values
 
+pytestmark = pytest.mark.e2e
+
 Counts = dict[str, tuple[int, float]]
 
 

@@ -30,6 +30,8 @@ from tests.support.exports import compiled
 from tests.support.parity import same
 from tests.support.robots import some_values
 
+pytestmark = pytest.mark.e2e
+
 TOLERANCE = 1e-9
 
 

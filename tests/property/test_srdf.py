@@ -26,6 +26,8 @@ from tests.support.srdf import InPinocchio, Srdf
 from tests.support.touching import apart, ball, box, geometry_of
 from tests.unit.export.test_moveit import check
 
+pytestmark = pytest.mark.e2e
+
 SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 15))]
 
 

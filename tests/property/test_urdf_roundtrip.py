@@ -22,6 +22,8 @@ from tests.support.engines import Mujoco, Pinocchio
 from tests.support.pinocchio import pin
 from tests.support.urdfs import parity, relative, same_bounds, urdf_robot
 
+pytestmark = pytest.mark.e2e
+
 TOLERANCE = 1e-9
 
 

@@ -238,6 +238,7 @@ def test_a_bundle_records_its_configuration_and_takes_no_other(tmp_path):
     assert (problem.code, problem.where) == ("E-KEY", "source.configuration")
 
 
+@pytest.mark.e2e
 def test_a_build_says_in_its_report_which_configuration_it_is_of(tmp_path):
     more = {"output": str(tmp_path / "out"), "cache": {"dir": str(tmp_path / "cache")}, "until": "graph"}
     with OnshapeServer(configured_stand()) as server:

@@ -13,6 +13,8 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.places import PROJECT
 
+pytestmark = pytest.mark.e2e
+
 COLD = 1 + 2 * 3
 
 WORKER = """
