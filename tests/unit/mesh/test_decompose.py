@@ -324,7 +324,7 @@ def test_no_fewer_of_the_pieces_would_do():
     cutter = PieceCutter(part, 64)
     result = cutter.cut()
     assert result.is_near
-    assert part.near(result.pieces)
+    assert part.is_near(result.pieces)
     assert len(cutter.join(cutter.prepare(result.pieces)).pieces) == len(result.pieces)
 
 

@@ -109,10 +109,10 @@ def test_second_engine_is_not_asked_of_too_many_dofs(tmp_path):
 
 
 def test_few_joints_are_swept_in_full_and_many_in_fewer_steps():
-    assert reach._within_reason(list(range(400)), 401) == (list(range(400)), reach.STEPS)
-    joints, steps = reach._within_reason(list(range(999)), 1000)
+    assert reach._joints_and_steps(list(range(400)), 401) == (list(range(400)), reach.STEPS)
+    joints, steps = reach._joints_and_steps(list(range(999)), 1000)
     assert (len(joints), steps) == (999, reach.MIN_STEPS)
-    joints, steps = reach._within_reason(list(range(4999)), 5000)
+    joints, steps = reach._joints_and_steps(list(range(4999)), 5000)
     assert len(joints) * steps * 5000 <= reach.MAX_BODY_POSES
     assert (joints[0], joints[-1] > 4900, steps) == (0, True, reach.MIN_STEPS)
 
