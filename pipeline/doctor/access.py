@@ -35,7 +35,7 @@ def examined(
         state: State = "wrong" if credentials.known_secrets(environ) else "note"
         yield ExaminationResult("key", state, f"{error.message}: {_OFFLINE}", error.hint)
         return
-    calls = count(Ledger(cache / FOLDER, key.who).counted(), "call")
+    calls = count(Ledger(cache / FOLDER, key.owner_id).counted(), "call")
     kind = "a bearer token" if key.kind == "bearer" else "a pair of keys"
     yield ExaminationResult("key", "ok", f"{kind}; {calls} counted this year with this cache")
     for remark in credentials.remarks():
@@ -60,9 +60,9 @@ def _network(environ: Mapping[str, str]) -> ExaminationResult:
 
 def _onshape(key: credentials.Credentials, cache: Path, url: AssemblyUrl) -> ExaminationResult:
     try:
-        with Client(url, key, ledger=Ledger(cache / FOLDER, key.who)) as client:
+        with Client(url, key, ledger=Ledger(cache / FOLDER, key.owner_id)) as client:
             client.get(_REQUEST)
-            release = client.met.get("release", "")
+            release = client.server_facts.get("release", "")
     except LinkwrightError as error:
         return ExaminationResult("onshape", "wrong", error.message, error.hint)
     detail = f"{urlsplit(url.origin).netloc} answers, and the key may read documents"

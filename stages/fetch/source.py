@@ -81,7 +81,7 @@ def _ignore(line: str) -> None:
     """Discards a line."""
 
 
-def _nothing() -> None:
+def _do_nothing() -> None:
     """Does nothing."""
 
 
@@ -113,8 +113,9 @@ class FetchContext:
     sweep: SweepState | None = None
     """The state that the fetches of a sweep share; None outside a sweep."""
 
-    while_waiting: Callable[[], None] = _nothing
-    """Prepares later stages while a reply or a guest process is awaited; it must return at once."""
+    while_waiting: Callable[[], None] = _do_nothing
+    """Function that is called before the fetch waits for a reply or a guest process, to prepare later stages;
+    it must return at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +127,7 @@ class Fetched:
     """Calls that count against the quota."""
 
     saved: int = 0
-    """Calls saved, because replies were cached."""
+    """Calls that cached replies saved."""
 
     diagnostics: tuple[Diagnostic, ...] = ()
     title: str = ""
@@ -137,7 +138,8 @@ class Fetched:
     not accept that as success."""
 
     lasts: bool = True
-    """Whether a later fetch of pinned content gives the same; otherwise it is not taken from the cache."""
+    """Whether a later fetch of pinned content gives the same bundle; otherwise the cache is not used for
+    it."""
 
 
 class Source(Protocol):

@@ -6,7 +6,7 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.stages.export import export
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.replies.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.graph import build_robot
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.mesh.collide.primitives import shapes as primitive_shapes
@@ -36,7 +36,7 @@ def plan_of(**keys):
 
 def bundle_of(document, **options):
     """The bundle that a fetch of this document gives."""
-    return gather(Recorded(read(bundle_bytes(document, **options), "document"), "document"))
+    return gather(RecordedAnswers(read(bundle_bytes(document, **options), "document"), "document"))
 
 
 def robot_of(document, plan=None, **options):

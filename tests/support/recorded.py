@@ -11,7 +11,7 @@ import pytest
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.replies.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.robot.bundle import StudioKey
 from tests.support.places import SHARED
 
@@ -98,7 +98,7 @@ def kbot_bundle():
 
 def bundle_in(archive):
     """What a fetch gives of a bundle in a file."""
-    return gather(Recorded(read(archive, "recorded"), "recorded"))
+    return gather(RecordedAnswers(read(archive, "recorded"), "recorded"))
 
 
 def definition_in(archive):

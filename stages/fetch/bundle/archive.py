@@ -1,23 +1,23 @@
 """Reads and writes a bundle as a zip file: `manifest.json` and `replies/<sha256>`.
 
-A bundle may come from anyone, so it is not trusted: nothing is unpacked to disk, only the names that a bundle
-has are accepted, sizes are bounded before anything is inflated, no entry is inflated beyond its declared
-size, a reply is no larger than its kind of source allows (`Source.largest_reply`), and every reply must match
-the digest that is its name.
+A bundle may come from anyone, so it is not trusted: nothing is unpacked to disk, other names are refused,
+sizes are checked before anything is inflated, no entry is inflated beyond its declared size, a reply may be
+as large as its kind of source allows (`Source.largest_reply`), and every reply must match the digest that is
+its name.
 
 `manifest.json` is an object:
 
     format, kind   1 and "onshape"
     api            the version of the API that was asked, "v16"
-    definition_api that of the definition, "v17"; without it, the same
+    definition_api the version for the definition, "v17"; missing if it is the same
     root           {document, microversion, element, configuration} of the assembly
     definition     the digest of the assembly definition
     requests       {request: digest}: the path below /api/<api> with its query, and its reply
 
-The manifest of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
-digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
-compact form of triangles, a request `image/<sha256>` for each image that these name, a PNG, and `options`,
-{name: text}, for its reader.
+The manifest of a robot file has its kind ("urdf", "mjcf"), an empty api, the name of the file as the
+document, and the digest of its text or model as the definition. It has a request `mesh/<key>` for each mesh,
+whose body is in the compact form of triangles, a request `image/<sha256>` for each image (PNG) of the meshes,
+and `options`, {name: text}, for the reader of the file.
 
 Recordings of other clients can be turned into bundles: the assembly definition, and of each part studio in it
 the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
@@ -89,7 +89,7 @@ _Version = Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
 _MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
 
 
-def _recorded(kind: str) -> str:
+def _checked_kind(kind: str) -> str:
     if kind in SOURCES and source_class(kind).recorded:
         return kind
     msg = f"there are no bundles of the kind {kind!r}"
@@ -109,7 +109,7 @@ class _Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     format: Literal[1]
-    kind: Annotated[str, AfterValidator(_recorded)]
+    kind: Annotated[str, AfterValidator(_checked_kind)]
     api: _Version
     definition_api: _Version = ""
     root: _Root
@@ -118,7 +118,7 @@ class _Manifest(BaseModel):
     options: dict[_Text, _MaybeText] = Field(default_factory=dict)
 
     @model_validator(mode="after")
-    def _of_a_document(self) -> Self:
+    def _checked_root(self) -> Self:
         if self.kind == "onshape" and not (self.api and self.root.element and self.root.configuration):
             msg = "an Onshape assembly has an api, an element and a configuration"
             raise ValueError(msg)
@@ -139,11 +139,11 @@ def read(data: bytes, where: str) -> Recording:
     for name, body in blobs.items():
         if sha256(body).hexdigest() != name:
             raise _refused(f"its reply {name} does not match its digest: the file was changed", where)
-    limit_of = source_class(manifest.kind).largest_reply
+    size_limit_of = source_class(manifest.kind).largest_reply
     for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
         if name not in blobs:
             raise _refused(f"it lacks the reply {name} ({request})", where)
-        limit = limit_of(request)
+        limit = size_limit_of(request)
         if len(blobs[name]) > limit:
             why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {limit} are read"
             raise _refused(why, where)
@@ -174,7 +174,7 @@ def pack(bundle: Bundle) -> bytes:
     manifest = {
         "format": FORMAT,
         "kind": bundle.kind,
-        **_own_fields(bundle),
+        **_kind_fields(bundle),
         "root": dict(bundle.root),
         "definition": bundle.definition,
         "requests": dict(bundle.requests),
@@ -182,22 +182,22 @@ def pack(bundle: Bundle) -> bytes:
     text = json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False)
     entries = {_MANIFEST: text.encode() + b"\n"}
     entries |= {_FOLDER + name: bundle.blobs[name] for name in sorted(bundle.blobs)}
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, body in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.create_system = 3  # as on Unix, wherever it is made
             info.external_attr = 0o644 << 16
             archive.writestr(info, body)
-    return out.getvalue()
+    return file.getvalue()
 
 
-def _own_fields(bundle: Bundle) -> dict[str, object]:
+def _kind_fields(bundle: Bundle) -> dict[str, object]:
     """Returns the manifest's keys for this kind of bundle only; the `api` of a file is empty."""
     if isinstance(bundle, OnshapeBundle):
-        later = {"definition_api": bundle.definition_api} if bundle.definition_api else {}
-        return {"api": bundle.api, **later}
+        version_field = {"definition_api": bundle.definition_api} if bundle.definition_api else {}
+        return {"api": bundle.api, **version_field}
     options = bundle.options if isinstance(bundle, FileBundle) else {}
     return {"api": "", **({"options": dict(options)} if options else {})}
 

@@ -29,10 +29,10 @@ def answer(request: bytes) -> bytes:
 
     Raises SourceError if the file exceeds a size limit, or MuJoCo cannot compile it.
     """
-    question = json.loads(request)
-    path = Path(question["path"])
-    mjcf_bounds.require_within_limits(path, [Path(text) for text in question["texts"]])
-    model, spec, warnings = _compiled(path)
+    fields = json.loads(request)
+    path = Path(fields["path"])
+    mjcf_bounds.require_within_limits(path, [Path(text) for text in fields["texts"]])
+    model, spec, warnings = _compile_mjcf(path)
     meshes, textures = Meshes(model), Textures(model)
     body = codec.dump(convert(model, spec, meshes, textures, path.name))
     blobs = {key: meshes.blobs[digest] for key, digest in sorted(meshes.keys.items())}
@@ -43,9 +43,9 @@ def answer(request: bytes) -> bytes:
     return b"".join([json.dumps(head).encode(), b"\n", body, *blobs.values(), *images])
 
 
-def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
+def _compile_mjcf(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
     """Returns the model (visual geoms included), its spec, and MuJoCo's warnings."""
-    with collected_warnings() as heard:
+    with collected_warnings() as collected:
         try:
             with refusals():
                 spec = spec_of_mjcf(path)
@@ -56,7 +56,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
         except NotCompiled as error:
             msg = f"MuJoCo cannot compile it: {_in_one_line(str(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
-    return model, spec, [_in_one_line(text, path) for text in sorted(set(heard))]
+    return model, spec, [_in_one_line(text, path) for text in sorted(set(collected))]
 
 
 def _in_one_line(text: str, path: Path) -> str:

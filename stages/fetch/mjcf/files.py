@@ -1,7 +1,8 @@
 """Lists the files that an MJCF names, without MuJoCo, to notice when one changes.
 
 Only MuJoCo reads the files. The list has every file on disk that an attribute `file...` may name, in any of
-the folders that a `<compiler>` names: an unused file only causes a needless build.
+the folders that a `<compiler>` names. A file that MuJoCo does not use may be in the list: if it changes, a
+build is repeated needlessly.
 """
 
 import os
@@ -30,7 +31,7 @@ _MAX_FILES = 20_000
 _MAX_PATHS = 200_000
 """Largest number of paths that are looked up: file names times folders."""
 
-_NO_TEXT = (".stl", ".obj", ".msh", ".png", ".hdr", ".ply", ".dae", ".skn", ".bin", ".ktx")
+_BINARY_SUFFIXES = (".stl", ".obj", ".msh", ".png", ".hdr", ".ply", ".dae", ".skn", ".bin", ".ktx")
 _FIRST_TAG = re.compile(r"<([A-Za-z_][\w.-]*)")
 _FILE = re.compile(r"""\bfile\w*\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _FOLDER = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -73,7 +74,7 @@ def survey(path: Path) -> ModelFiles:
         for (naming_folder, name), folder in sorted(
             chain(product(new_names, folders), product(names, new_folders))
         ):
-            for candidate in _places(path.parent, naming_folder, folder, name):
+            for candidate in _possible_paths(path.parent, naming_folder, folder, name):
                 if candidate in digest_of or not os.path.exists(candidate):  # noqa: PTH110
                     continue
                 if regular_files.is_endless(candidate):
@@ -81,7 +82,7 @@ def survey(path: Path) -> ModelFiles:
                 if regular_files.is_file(candidate):
                     digest_of[candidate], length = _digest(path, candidate, name)
                     size += length
-                    if candidate.suffix.lower() not in _NO_TEXT and 0 < length <= MAX_XML_BYTES:
+                    if candidate.suffix.lower() not in _BINARY_SUFFIXES and 0 < length <= MAX_XML_BYTES:
                         texts.append(candidate)
         names |= new_names
         if size > LARGEST_MODEL:
@@ -92,7 +93,7 @@ def survey(path: Path) -> ModelFiles:
     return ModelFiles(digests, tuple(texts))
 
 
-def _places(home: Path, naming_folder: Path, folder: str, name: str) -> Iterator[Path]:
+def _possible_paths(home: Path, naming_folder: Path, folder: str, name: str) -> Iterator[Path]:
     """Yields the possible paths of a file: from the model's folder, from the folder of the file that names
     it, and both without the path in its name (`strippath`)."""
     for text in {name, PurePath(name.replace("\\", "/")).name} - {""}:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 
 READER = 4
-"""The version of the reader. It grows with every change of the result for the same files."""
+"""Version of the reader, to be raised with every change of the result for the same files."""
 
 MODEL = "model"
 """The request for the compiled model."""
@@ -74,7 +74,12 @@ def gather(
     digests = {key: sha256(mesh).hexdigest() for key, mesh in meshes.items()}
     bundle = FileBundle(
         kind="mjcf",
-        root={"document": path.name, "microversion": _sum(files.digests), "element": "", "configuration": ""},
+        root={
+            "document": path.name,
+            "microversion": _digest_of_digests(files.digests),
+            "element": "",
+            "configuration": "",
+        },
         definition=definition,
         requests={
             MODEL: definition,
@@ -108,22 +113,22 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, b
     try:
         header = json.loads(head)
         warnings = [str(text)[:_MAX_LENGTH] for text in header["warnings"][:_MAX_WARNINGS]]
-        at = int(header["model"])
-        model, meshes = body[:at], dict[str, bytes]()
+        offset = int(header["model"])
+        model, meshes = body[:offset], dict[str, bytes]()
         for key, length in header["meshes"]:
-            mesh = body[at : at + length]
+            mesh = body[offset : offset + length]
             if not _KEY.fullmatch(key):
                 raise ValueError(key)
             triangles.require_compact(mesh)
             meshes[key] = mesh
-            at += length
+            offset += length
         images = dict[str, bytes]()
         for length in header["images"]:
-            image = body[at : at + length]
+            image = body[offset : offset + length]
             if png.problem(image):
                 raise ValueError(length)
             images[sha256(image).hexdigest()] = image
-            at += length
+            offset += length
         if not all(triangles.textures(mesh) <= images.keys() for mesh in meshes.values()):
             raise KeyError(IMAGE)
     except (KeyError, TypeError, ValueError, RecursionError, ProtocolError):
@@ -132,5 +137,5 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, b
     return warnings, model, meshes, images
 
 
-def _sum(digests: dict[str, str]) -> str:
+def _digest_of_digests(digests: dict[str, str]) -> str:
     return sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()

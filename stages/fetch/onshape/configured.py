@@ -16,7 +16,7 @@ from linkwright.stages.fetch.onshape.url import AssemblyUrl
 from linkwright.stages.robot.errors import SourceError
 
 
-class Configured:
+class ConfiguredAddress:
     """The address with `settings` (parameter → value) in its configuration."""
 
     def __init__(self, url: AssemblyUrl, settings: Mapping[str, Any], client: CachedClient) -> None:
@@ -30,9 +30,9 @@ class Configured:
         body = self._client.reply(self._request(pin))
         if not self._url.pinned:
             self._client.remember(self._subject, {"microversion": pin[2:]})
-        return self._with(body)
+        return self._address_with(body)
 
-    def now(self, *, force: bool) -> tuple[AssemblyUrl, str | None, str]:
+    def current(self, *, force: bool) -> tuple[AssemblyUrl, str | None, str]:
         """Returns the address, the microversion last built (None at first) and the present microversion of
         its workspace.
 
@@ -43,10 +43,10 @@ class Configured:
         with self._client.lock(self._subject):
             recalled = self._known()
             body = b"" if recalled else self._parameters()
-            url = recalled or self._with(body)
+            url = recalled or self._address_with(body)
             workspace = Workspace(url, self._client)
-            then = workspace.last()
-            microversion = workspace.current(force=force, began=began)
+            then = workspace.last_microversion()
+            microversion = workspace.current(force=force, asked_since=began)
             if not recalled:
                 self._client.keep(self._request(f"m/{microversion}"), body)
             return self.at(f"m/{microversion}"), then, microversion
@@ -54,22 +54,22 @@ class Configured:
     def _parameters(self) -> bytes:
         """Returns the present parameters of the workspace, while no build has changed its variables."""
         with self._client.undisturbed():
-            return self._client.now(self._request(self._url.pin))
+            return self._client.uncached_reply(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:
         """Returns the address by the parameters of the last build, if they allow the values."""
         microversion = self._client.recall(self._subject).get("microversion")
-        body = self._client.kept(self._request(f"m/{microversion}")) if microversion else None
+        body = self._client.lookup(self._request(f"m/{microversion}")) if microversion else None
         if body is None:
             return None
         try:
-            return self._with(body)
+            return self._address_with(body)
         except SourceError:
             if self._client.offline:
                 raise
             return None
 
-    def _with(self, body: bytes) -> AssemblyUrl:
+    def _address_with(self, body: bytes) -> AssemblyUrl:
         parameters = configuration.read_parameters(body)
         return replace(
             self._url,

@@ -77,20 +77,20 @@ _HINT = "check that the address is that of an assembly; if it is, the API has ch
 def assemblies(root: _Record, subs: Any) -> Iterator[_Record]:
     """Yields the root, and the sub-assemblies that unsuppressed instances use."""
     definitions = {StudioKey.of(sub): sub for sub in subs}
-    waiting = [root]
-    earlier_keys = {StudioKey.of(root)}
-    while waiting:
-        record = waiting.pop()
+    pending = [root]
+    visited_keys = {StudioKey.of(root)}
+    while pending:
+        record = pending.pop()
         yield record
         for instance in record["instances"]:
             if instance.get("suppressed") or instance.get("type") != "Assembly":
                 continue
-            if (key := StudioKey.of(instance)) not in earlier_keys:
+            if (key := StudioKey.of(instance)) not in visited_keys:
                 if key not in definitions:
                     msg = f"the definition does not describe the sub-assembly {instance.get('name')!r}"
                     raise ProtocolError(msg, hint=_HINT)
-                earlier_keys.add(key)
-                waiting.append(definitions[key])
+                visited_keys.add(key)
+                pending.append(definitions[key])
 
 
 def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:

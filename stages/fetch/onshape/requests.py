@@ -22,12 +22,12 @@ JSON = "application/json;charset=UTF-8; qs=0.09"
 
 _GLTF = "model/gltf-binary;qs=0.08"
 
-_BY_END = {
+_SUBJECT_BY_END = {
     "/configuration": "the configuration parameters of element",
     "/features": "the features of assembly",
     "/variables": "the variables of element",
 }
-_QUALITY = {
+_QUALITY_KEYS = {
     "angleTolerance",
     "chordTolerance",
     "maxFacetWidth",
@@ -181,13 +181,17 @@ def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
     path, _, query = request.partition("?")
     if path.startswith("/parts/"):
         # Recordings are part by part: clients send many different switches here, or no switch.
-        kept = {"configuration": dict(parse_qsl(query)).get("configuration", "default")}
+        subject_query = {"configuration": dict(parse_qsl(query)).get("configuration", "default")}
     else:
         pairs = parse_qsl(query, keep_blank_values=True)
-        incidental = {*_QUALITY, "linkDocumentId", *(() if path.endswith("/massproperties") else ("partId",))}
-        kept = {key: value for key, value in pairs if key not in incidental}
-        kept["configuration"] = kept.get("configuration") or "default"
-    return path, tuple(sorted(kept.items()))
+        ignored_keys = {
+            *_QUALITY_KEYS,
+            "linkDocumentId",
+            *(() if path.endswith("/massproperties") else ("partId",)),
+        }
+        subject_query = {key: value for key, value in pairs if key not in ignored_keys}
+        subject_query["configuration"] = subject_query.get("configuration") or "default"
+    return path, tuple(sorted(subject_query.items()))
 
 
 def describe(request: str) -> str:
@@ -196,17 +200,17 @@ def describe(request: str) -> str:
     element = path.partition("/e/")[2].partition("/")[0]
     if path.startswith("/documents/"):
         document = path.split("/")[3]
-        subject = "the tabs" if path.endswith("/elements") else "the current microversion"
-        return f"{subject} of document {document}"
+        subject_text = "the tabs" if path.endswith("/elements") else "the current microversion"
+        return f"{subject_text} of document {document}"
     if is_assembly_mass(request):
         return f"the mass of assembly {element}"
-    for end, subject in _BY_END.items():
+    for end, subject_text in _SUBJECT_BY_END.items():
         if path.endswith(end):
-            return f"{subject} {element}"
+            return f"{subject_text} {element}"
     if path.startswith("/assemblies/"):
         return f"the definition of assembly {element}"
-    subject = "the mass properties" if path.endswith("/massproperties") else "the triangles"
-    return f"{subject} of part studio {element}"
+    subject_text = "the mass properties" if path.endswith("/massproperties") else "the triangles"
+    return f"{subject_text} of part studio {element}"
 
 
 def api(request: str) -> str:

@@ -105,9 +105,9 @@ class OnshapeSource(Source):
     def replay(recording: Recording, where: str) -> OnshapeBundle:
         # Late: an unchanged source is not read again.
         from linkwright.stages.fetch.onshape.gather import gather
-        from linkwright.stages.fetch.onshape.replies.recorded import Recorded
+        from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 
-        return gather(Recorded(recording, where))
+        return gather(RecordedAnswers(recording, where))
 
     @staticmethod
     def largest_reply(request: str) -> int:

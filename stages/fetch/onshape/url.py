@@ -11,14 +11,14 @@ EXAMPLE = (
     "/w/0a1b2c3d4e5f60718293a4b5/e/a1b2c3d4e5f60718293a4b5c"
 )
 _PATH = re.compile(r"/documents/([0-9a-f]{24})/([wvm])/([0-9a-f]{24})/e/([0-9a-f]{24})/?", re.IGNORECASE)
-_NO_TAB = re.compile(r"/documents/[0-9a-f]{24}(/[wvm]/[0-9a-f]{24})?/?", re.IGNORECASE)
-OWNER = "onshape.com"
+_PATH_WITHOUT_TAB = re.compile(r"/documents/[0-9a-f]{24}(/[wvm]/[0-9a-f]{24})?/?", re.IGNORECASE)
+OWNER_DOMAIN = "onshape.com"
 """The domain whose hosts may be sent a key."""
 
-_OWNERS = re.compile(r"([a-z0-9]([a-z0-9-]*[a-z0-9])?\.)*onshape\.com(:443)?")
+_OWNER_HOST = re.compile(r"([a-z0-9]([a-z0-9-]*[a-z0-9])?\.)*onshape\.com(:443)?")
 _BYTE = r"(25[0-5]|2[0-4]\d|1\d\d|[1-9]?\d)"
 _LOOPBACK = re.compile(rf"(localhost|127\.{_BYTE}\.{_BYTE}\.{_BYTE}|\[::1\])(:\d{{1,5}})?", re.ASCII)
-_NEVER = re.compile(r"[\s\\\x00-\x1f\x7f]")
+_AMBIGUOUS = re.compile(r"[\s\\\x00-\x1f\x7f]")
 """Characters before the query of an address on which libraries disagree: some end the host there, some drop
 them."""
 
@@ -32,7 +32,7 @@ class AssemblyUrl:
 
     document: str
     pin: str
-    """"w/<id>", "v/<id>" or "m/<id>"."""
+    """Workspace "w/<id>", version "v/<id>" or microversion "m/<id>"."""
 
     element: str
     configuration: str
@@ -60,7 +60,7 @@ def parse(text: str) -> AssemblyUrl:
     parts = _split(text.strip())
     match = _PATH.fullmatch(parts.path)
     if match is None:
-        if _NO_TAB.fullmatch(parts.path):
+        if _PATH_WITHOUT_TAB.fullmatch(parts.path):
             raise _refused(parts, "it names a document, but no tab of it (…/e/<element>)")
         raise _refused(parts, "its path is not /documents/<id>/w|v|m/<id>/e/<id>, each id 24 hex digits")
     document, kind, version, element = (piece.lower() for piece in match.groups())
@@ -76,7 +76,7 @@ def parse(text: str) -> AssemblyUrl:
 
 def split(text: str) -> SplitResult:
     """Splits an address. Raises ValueError if libraries could disagree about its host."""
-    if _NEVER.search(re.split(r"[?#]", text, maxsplit=1)[0]):
+    if _AMBIGUOUS.search(re.split(r"[?#]", text, maxsplit=1)[0]):
         msg = "white space, a control character or a backslash"
         raise ValueError(msg)
     parts = urlsplit(text)
@@ -95,7 +95,7 @@ def key_origin(parts: SplitResult) -> str:
 
 def is_owner(host: str) -> bool:
     """Tells whether a host, as an address has it, is Onshape's."""
-    return host.isascii() and bool(_OWNERS.fullmatch(host.lower()))
+    return host.isascii() and bool(_OWNER_HOST.fullmatch(host.lower()))
 
 
 def is_loopback(host: str) -> bool:
@@ -125,7 +125,7 @@ def _split(text: str) -> SplitResult:
         return parts
     if parts.scheme == "http" and is_owner(parts.netloc):
         raise _refused(parts, "plain http would send your key unencrypted; use https://")
-    raise _refused(parts, f"its host is not {OWNER} or below it, and no key is sent elsewhere")
+    raise _refused(parts, f"its host is not {OWNER_DOMAIN} or below it, and no key is sent elsewhere")
 
 
 def _configuration(query: str) -> str:

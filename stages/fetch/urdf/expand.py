@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 BOUNDS = guest.Bounds(seconds=60, memory=2 << 30, reply=LARGEST + (1 << 16))
 """Limits of the guest process: xacro files of whole humanoids take some seconds."""
 
-EXPAND = "expand it yourself: xacro FILE > robot.urdf"
+EXPAND_HINT = "expand it yourself: xacro FILE > robot.urdf"
 
-_PACKAGE = "name its folder by source.packages={%s: FOLDER}"
+_PACKAGE_HINT = "name its folder by source.packages={%s: FOLDER}"
 _HINTS = {
     "Undefined substitution argument": "give the arguments of the xacro file by source.args={name: value}",
-    "environment variable": "a xacro file can read only ROS's variables: " + EXPAND,
+    "environment variable": "a xacro file can read only ROS's variables: " + EXPAND_HINT,
 }
 """Words in an error of xacro → the hint."""
 
@@ -56,14 +56,14 @@ def require(source: UrdfSourceSection) -> None:
         return
     if not source.trust:
         msg = f"{source.path} is a xacro file, which is a program: expanding it runs it"
-        hint = f"if you trust it, set source.trust=true on the command line, or {EXPAND}"
+        hint = f"if you trust it, set source.trust=true on the command line, or {EXPAND_HINT}"
         raise ConfigError(msg, "source.trust", hint)
     if importlib.util.find_spec("xacro") is None:
         msg = f"{source.path} is a xacro file, and the package xacro, which expands it, is not installed"
-        raise ConfigError(msg, "source.path", f"{install('xacro')}, or {EXPAND}")
+        raise ConfigError(msg, "source.path", f"{install('xacro')}, or {EXPAND_HINT}")
 
 
-def expanded(
+def expand_xacro(
     source: UrdfSourceSection, text: str, environ: Mapping[str, str], find: Callable[[str], Path | None]
 ) -> str:
     """Returns the URDF that the source's xacro file, with the content `text`, makes. `find`: returns a
@@ -74,24 +74,28 @@ def expanded(
     require(source)
     path = Path(source.path).absolute()
     packages = {name: find(name) for name in islice(dict.fromkeys(_FIND.findall(text)), _MAX_PACKAGES)}
-    until = time.monotonic() + BOUNDS.seconds
+    deadline = time.monotonic() + BOUNDS.seconds
     while True:
         request = {
             "path": str(path),
             "args": {name: _text(value) for name, value in source.args.items()},
             "packages": {name: str(place) for name, place in packages.items() if place is not None},
         }
-        text_made, lacking, why = _guest_reply(request, path.name, environ)
-        if lacking and len(packages) < _MAX_PACKAGES and lacking not in packages:
+        text_made, missing_package, fault = _guest_reply(request, path.name, environ)
+        if missing_package and len(packages) < _MAX_PACKAGES and missing_package not in packages:
             # The name is in an included file, or is computed as the file is expanded.
-            packages[lacking] = find(lacking)
-            if packages[lacking] is not None and time.monotonic() < until:
+            packages[missing_package] = find(missing_package)
+            if packages[missing_package] is not None and time.monotonic() < deadline:
                 continue
-        if lacking:
-            raise _refused(f"there is no package {lacking}", path.name, _PACKAGE % lacking)
-        if why:
-            why = " ".join(why.replace(f"{path.parent}/", "").split())[:_MAX_MESSAGE]
-            raise _refused(why, path.name, next((hint for words, hint in _HINTS.items() if words in why), ""))
+        if missing_package:
+            raise _refused(
+                f"there is no package {missing_package}", path.name, _PACKAGE_HINT % missing_package
+            )
+        if fault:
+            fault = " ".join(fault.replace(f"{path.parent}/", "").split())[:_MAX_MESSAGE]
+            raise _refused(
+                fault, path.name, next((hint for words, hint in _HINTS.items() if words in fault), "")
+            )
         return text_made
 
 
@@ -103,13 +107,13 @@ def _guest_reply(request: Mapping[str, Any], where: str, environ: Mapping[str, s
             "linkwright.stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables
         )
     except guest.Ended as ended:
-        raise _refused(f"it {ended}", where, f"look for an endless recursion, or {EXPAND}") from None
+        raise _refused(f"it {ended}", where, f"look for an endless recursion, or {EXPAND_HINT}") from None
     head, _, output = reply.partition(b"\n")
     try:
         answer = json.loads(head)
         return output.decode(), str(answer["lacking"]), str(answer["refused"])
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise _refused("xacro's output is not text", where, f"check the file, or {EXPAND}") from None
+        raise _refused("xacro's output is not text", where, f"check the file, or {EXPAND_HINT}") from None
 
 
 def _refused(why: str, where: str, hint: str) -> SourceError:

@@ -9,7 +9,7 @@ import xacro
 from xacro import substitution_args
 
 
-class _Lacking(Exception):
+class _MissingPackage(Exception):
     """The error that a requested package is not among the given packages."""
 
 
@@ -19,23 +19,25 @@ def answer(request: bytes) -> bytes:
     The request is {"path": the file, "args": its arguments, "packages": folders of packages by name}. The
     line is {"lacking": a package that is not among them, "refused": why there is no text}.
     """
-    question = json.loads(request)
-    lacking: list[str] = []
+    fields = json.loads(request)
+    missing_packages: list[str] = []
     try:
-        text, why = _expanded(question["path"], question["args"], question["packages"], lacking), ""
+        text, fault = _expanded(fields["path"], fields["args"], fields["packages"], missing_packages), ""
     except RecursionError:
-        text, why = "", "its macros are nested too deeply, or call themselves"
+        text, fault = "", "its macros are nested too deeply, or call themselves"
     except Exception as error:
-        text, why = "", str(error) or type(error).__name__
-    reply = {"lacking": lacking[-1] if lacking and why else "", "refused": why}
+        text, fault = "", str(error) or type(error).__name__
+    reply = {"lacking": missing_packages[-1] if missing_packages and fault else "", "refused": fault}
     return json.dumps(reply).encode() + b"\n" + text.encode()
 
 
-def _expanded(path: str, args: Mapping[str, str], packages: Mapping[str, str], lacking: list[str]) -> str:
+def _expanded(
+    path: str, args: Mapping[str, str], packages: Mapping[str, str], missing_packages: list[str]
+) -> str:
     def folder(name: str) -> str:
         if name not in packages:
-            lacking.append(name)
-            raise _Lacking(name)
+            missing_packages.append(name)
+            raise _MissingPackage(name)
         return packages[name]
 
     # xacro's own look-up needs an installed ROS.

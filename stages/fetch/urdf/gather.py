@@ -14,7 +14,7 @@ from linkwright.stages.fetch.urdf.meshes.companions import companions
 from linkwright.stages.fetch.urdf.meshes.loose_mesh import LooseMesh, body
 from linkwright.stages.fetch.urdf.meshes.mesh_file import Unreadable, read
 from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, texture
-from linkwright.stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
+from linkwright.stages.fetch.urdf.srdf_file import NAME_OPTION, SRDF, SrdfFile, is_named_by_user
 from linkwright.stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
 from linkwright.stages.formats import png
 from linkwright.stages.formats.meshes import body_arrays
@@ -32,9 +32,10 @@ if TYPE_CHECKING:
 ROBOT = "robot.urdf"
 """The request for the robot's text."""
 
-_SKIP = "build without them: source.missing_meshes=skip"
-_PLACES = (
-    f"put the files at the paths in the URDF, name packages by source.packages={{name: FOLDER}}, or {_SKIP}"
+_SKIP_HINT = "build without them: source.missing_meshes=skip"
+_PLACES_HINT = (
+    "put the files at the paths in the URDF, name packages by source.packages={name: FOLDER}, "
+    f"or {_SKIP_HINT}"
 )
 
 
@@ -46,7 +47,7 @@ def gather(
     Raises SourceError with all errors of the text and all meshes that are missing or damaged.
     """
     robot_files = survey(source, environ)
-    srdf, unread = _srdf(source, robot_files.srdf)
+    srdf, srdf_reports = _srdf(source, robot_files.srdf)
     robot = parse(robot_files.text, robot_files.document)
     files = _Files(robot_files, skip=source.missing_meshes == "skip")
     blobs = files.blobs(robot)
@@ -55,7 +56,13 @@ def gather(
     ]
     if errors:
         codes = {error.code for error in errors}
-        hint = _PLACES if "E-MESH-MISSING" in codes else f"to {_SKIP}" if "E-MESH-READ" in codes else ""
+        hint = (
+            _PLACES_HINT
+            if "E-MESH-MISSING" in codes
+            else f"to {_SKIP_HINT}"
+            if "E-MESH-READ" in codes
+            else ""
+        )
         count = f"{len(errors)} problems" if len(errors) > 1 else "a problem"
         raise SourceError(f"it has {count}", robot_files.document, hint, errors)
     srdf_request = {SRDF: srdf} if srdf else {}
@@ -80,10 +87,10 @@ def gather(
         blobs=bodies,
         options={
             "bad_inertia": source.bad_inertia,
-            **({NAME: robot_files.srdf.name} if srdf and robot_files.srdf else {}),
+            **({NAME_OPTION: robot_files.srdf.name} if srdf and robot_files.srdf else {}),
         },
     )
-    return bundle, (*unread, *files.found_elsewhere(), *files.missing, *files.lost_images(robot))
+    return bundle, (*srdf_reports, *files.found_elsewhere(), *files.missing, *files.lost_images(robot))
 
 
 def _srdf(source: UrdfSourceSection, file: SrdfFile | None) -> tuple[bytes, tuple[Diagnostic, ...]]:
@@ -100,7 +107,7 @@ def _srdf(source: UrdfSourceSection, file: SrdfFile | None) -> tuple[bytes, tupl
             parse_srdf(file.text)
         except Malformed as error:
             why = f"it is not readable as an SRDF: {error.place}"
-            if is_asked(source):
+            if is_named_by_user(source):
                 raise SourceError(why, file.name, "give an SRDF, or source.srdf=none") from None
     return (b"", (file.unread(why),)) if why else (file.text, ())
 
@@ -109,14 +116,14 @@ class _Files:
     """Reader of the mesh files of a robot and their images, each read once. `images`: digest → an image of a
     mesh."""
 
-    def __init__(self, survey: Survey, *, skip: bool) -> None:
-        self._survey = survey
+    def __init__(self, robot_files: Survey, *, skip: bool) -> None:
+        self._survey = robot_files
         self._skip = skip
         self._meshes: dict[Path, LooseMesh | str] = {}
         self._moved: dict[str, Path] = {}
         self._textures: dict[str, Texture] = {}
         self._image_bytes: dict[str, bytes] = {}
-        self._without: dict[tuple[str, str], str] = {}
+        self._lost_textures: dict[tuple[str, str], str] = {}
         self.missing: list[Diagnostic] = []
         self.images: dict[str, bytes] = {}
 
@@ -126,7 +133,7 @@ class _Files:
         shapes = [shape for link in robot.links for shape in (*link.visuals, *link.collisions)]
         visual_keys = {mesh_key(shape) for link in robot.links for shape in link.visuals}
         triangles: dict[str, bytes] = {}
-        lacking: dict[str, Diagnostic] = {}
+        problems: dict[str, Diagnostic] = {}
         for shape in shapes:
             key = mesh_key(shape)
             if shape.kind != "mesh" or key in triangles:
@@ -134,13 +141,13 @@ class _Files:
             place = self._place(shape.filename)
             mesh = self._mesh(place)
             if isinstance(mesh, str):
-                lacking[shape.filename] = self._problem(shape.filename, mesh, there=place.file is not None)
+                problems[shape.filename] = self._problem(shape.filename, mesh, exists=place.file is not None)
             else:
                 image = self._image(shape, mesh) if key in visual_keys else None
                 mesh_body = body(mesh, key, shape.scale, shape.colour, image)
                 triangles[key] = body_arrays.encode([mesh_body])
                 self.images |= {digest: self._image_bytes[digest] for digest in mesh_body.textures if digest}
-        self.missing = list(lacking.values())
+        self.missing = list(problems.values())
         return triangles
 
     def _image(self, shape: UrdfShape, mesh: LooseMesh) -> str:
@@ -148,10 +155,10 @@ class _Files:
         if not shape.texture:
             return ""
         texture = self._texture(shape.texture)
-        why = texture.why or (NO_COORDINATES if mesh.texcoords is None else "")
-        if why:
-            self._without[shape.filename, texture.name] = why
-        return "" if why else texture.digest
+        fault = texture.why or (NO_COORDINATES if mesh.texcoords is None else "")
+        if fault:
+            self._lost_textures[shape.filename, texture.name] = fault
+        return "" if fault else texture.digest
 
     def _texture(self, name: str) -> Texture:
         if name not in self._textures:
@@ -161,18 +168,18 @@ class _Files:
             self._image_bytes.setdefault(read_texture.digest, read_texture.image)
         return self._textures[name]
 
-    def _once(self, mesh: LooseMesh | str) -> LooseMesh | str:
+    def _with_shared_images(self, mesh: LooseMesh | str) -> LooseMesh | str:
         """Returns the mesh with images that share their memory with those of other meshes."""
         if isinstance(mesh, str):
             return mesh
         for image in mesh.textures:
             if image is not None and image.image:
                 self._image_bytes.setdefault(image.digest, image.image)
-        once = (
+        textures = (
             image and replace(image, image=self._image_bytes.get(image.digest, b""))
             for image in mesh.textures
         )
-        return replace(mesh, textures=tuple(once))
+        return replace(mesh, textures=tuple(textures))
 
     def _place(self, name: str) -> MeshPlace:
         place = self._survey.places.get(name) or self._survey.files.find(name)
@@ -185,18 +192,20 @@ class _Files:
         if place.file is None:
             return place.why
         if place.file not in self._meshes:
-            self._meshes[place.file] = self._once(_content(place.file, self._survey.files.roots()))
+            self._meshes[place.file] = self._with_shared_images(
+                _content(place.file, self._survey.files.roots())
+            )
         return self._meshes[place.file]
 
-    def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:
+    def _problem(self, name: str, why: str, *, exists: bool) -> Diagnostic:
         text, where = f"mesh {name}: {why}", self._survey.document
         hint = "put the file at that path, or remove the <mesh>"
-        if there:
+        if exists:
             # A reason that says what to install ends so.
             hint = "" if "pip install" in why else "export the file again"
         if self._skip:
             return Diagnostic("W-NO-MESH", text, where, hint)
-        if there:
+        if exists:
             return Diagnostic("E-MESH-READ", text, where, hint)
         return Diagnostic("E-MESH-MISSING", text, where, hint)
 
@@ -212,7 +221,7 @@ class _Files:
                 images_by_mesh[shape.filename] = mesh.images
             for image in mesh.textures:
                 if image is not None and image.why:
-                    self._without.setdefault((shape.filename, image.name), image.why)
+                    self._lost_textures.setdefault((shape.filename, image.name), image.why)
         entries = [
             f"{PurePosixPath(name).name} ({', '.join(images[:3])})" for name, images in images_by_mesh.items()
         ]
@@ -230,14 +239,14 @@ class _Files:
                 self._survey.document,
                 hint,
             )
-            for (mesh, name), why in self._without.items()
+            for (mesh, name), why in self._lost_textures.items()
         ]
 
     def found_elsewhere(self) -> list[Diagnostic]:
         """Reports I-MESH-FOUND for files that were found elsewhere: a diagnostic for each folder."""
         groups: dict[tuple[str, str], list[str]] = {}
         for name, file in self._moved.items():
-            shown = PurePosixPath(self._survey.files.shown(file))
+            shown = PurePosixPath(self._survey.files.name_in_messages(file))
             named = PurePosixPath(name.replace("\\", "/"))
             if shown.name == named.name:
                 pair = (_folder(name), f"{shown.parent}/")

@@ -23,18 +23,18 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 @dataclass(frozen=True, slots=True)
 class MeshPlace:
-    """The file that a mesh's name refers to, or None."""
+    """The place of a file that a URDF names."""
 
     file: Path | None
     searched: bool = False
-    """Whether the file is not at the named path, but the only file of that name."""
+    """Whether the file was found by a search, since none is at the named path."""
 
     why: str = ""
     """The reason why there is no file, or ""."""
 
 
 class MeshPlaces:
-    """Finder of the files that a robot's file in `folder` names.
+    """Finds the files that a robot's file in `folder` names.
 
     `meshdir`: the folder of meshes in MuJoCo's extension of the URDF, or "".
     """
@@ -49,15 +49,15 @@ class MeshPlaces:
         scheme = _SCHEME.match(name)
         if scheme and scheme.group(1).lower() not in ("package", "model", "file"):
             return MeshPlace(None, why=f"{scheme.group(1)}:// is not supported: meshes are not downloaded")
-        for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
-            for candidate in self._meant(spelt):
+        for spelling in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
+            for candidate in self._possible_paths(spelling):
                 if regular_files.is_file(candidate):
                     return MeshPlace(candidate)
                 if regular_files.is_special(candidate):
                     return MeshPlace(None, why=regular_files.NOT_REGULAR)
-        return self._search(name)
+        return self._search_elsewhere(name)
 
-    def _meant(self, name: str) -> Iterator[Path]:
+    def _possible_paths(self, name: str) -> Iterator[Path]:
         """Yields the paths that a name may refer to."""
         path_text = re.sub(r"^(?:package|model|file)://", "", name, flags=re.IGNORECASE)
         if name.lower().startswith(("package://", "model://")):
@@ -72,26 +72,31 @@ class MeshPlaces:
             yield self._folder / self._meshdir / PurePosixPath(path_text).name
             yield self._folder / self._meshdir / path_text.lstrip("/")
 
-    def _search(self, name: str) -> MeshPlace:
+    def _search_elsewhere(self, name: str) -> MeshPlace:
         """Searches a missing file: below a folder above, or else by its name."""
         steps = [step for step in re.sub(r"^\w+://", "", name).replace("\\", "/").split("/") if step]
         if not steps:
             return MeshPlace(None, why="it does not name a file")
         if ".." not in steps:
-            inner = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
-            for path_text in ("/".join(tail) for tail in inner if tail):
+            tails = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
+            for path_text in ("/".join(tail) for tail in tails if tail):
                 file = next(
-                    (place for place in self._packages.near(path_text) if regular_files.is_file(place)), None
+                    (
+                        place
+                        for place in self._packages.paths_above(path_text)
+                        if regular_files.is_file(place)
+                    ),
+                    None,
                 )
                 if file is not None:
                     return MeshPlace(file, searched=True)
-        alike = self._by_name.get(steps[-1].casefold(), [])
-        if not alike:
+        same_name = self._by_name.get(steps[-1].casefold(), [])
+        if not same_name:
             return MeshPlace(
                 None, why="there is no such file, and no file of that name in the robot's folder"
             )
-        shared = [_shared_tail(steps, path.parts) for path in alike]
-        best = [path for path, score in zip(alike, shared, strict=True) if score == max(shared)]
+        scores = [_shared_tail(steps, path.parts) for path in same_name]
+        best = [path for path, score in zip(same_name, scores, strict=True) if score == max(scores)]
         if len(best) > 1:
             names = ", ".join(sorted(_relative(path, self._packages.root) for path in best)[:3])
             return MeshPlace(None, why=f"there is no such file, and several files have that name: {names}")
@@ -115,11 +120,11 @@ class MeshPlaces:
         """Returns the folders of the robot: its own, and those of the packages that it names."""
         return [self._packages.root, *self._packages.found.values()]
 
-    def shown(self, file: Path) -> str:
+    def name_in_messages(self, file: Path) -> str:
         """Returns the name of a file in messages, which reveals nothing of this computer."""
-        return self.public(file) or file.name
+        return self.public_name(file) or file.name
 
-    def public(self, file: Path) -> str:
+    def public_name(self, file: Path) -> str:
         """Returns a name of a file that reveals nothing of this computer, or "" if it has none."""
         file = Path(os.path.normpath(file))
         if file.is_relative_to(self._packages.root):

@@ -11,9 +11,9 @@ from pathlib import Path
 from linkwright.stages.robot.system import regular_files
 
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
-_OF_ROS = ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH")
+_ROS_VARIABLES = ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH")
 _AMENT = "AMENT_PREFIX_PATH"
-VARIABLES = (*_OF_ROS, _AMENT)
+VARIABLES = (*_ROS_VARIABLES, _AMENT)
 """ROS's environment variables with the search paths of packages."""
 
 _LARGEST = 1 << 20
@@ -25,7 +25,7 @@ _MAX_FOLDERS_ABOVE = 6
 _MAX_DEPTH = 3
 """Depth below an entry of ROS_PACKAGE_PATH down to which a package is searched."""
 
-_INNER = ("urdf", "urdfs", "robot", "robots", "xacro", "description")
+_URDF_FOLDERS = ("urdf", "urdfs", "robot", "robots", "xacro", "description")
 """Names of the folder of a URDF whose parent is the robot's own folder."""
 
 
@@ -38,7 +38,7 @@ class Packages:
     """
 
     def __init__(self, folder: Path, configured: Mapping[str, Path], environ: Mapping[str, str]) -> None:
-        self._given = configured
+        self._configured = configured
         self._environ = environ
         self._above = [folder, *folder.parents][: _MAX_FOLDERS_ABOVE + 1]
         self.found: dict[str, Path] = {}
@@ -52,7 +52,7 @@ class Packages:
         if package is not None:
             return package
         folder = self._above[0]
-        return folder.parent if folder.name.lower() in _INNER and folder.parent.name else folder
+        return folder.parent if folder.name.lower() in _URDF_FOLDERS and folder.parent.name else folder
 
     def find(self, name: str) -> Path | None:
         """Returns the package's folder; None if it is not found."""
@@ -64,35 +64,37 @@ class Packages:
         return self.found[name]
 
     def _places(self, name: str) -> Iterator[Path]:
-        if name in self._given:
-            yield self._given[name]
+        if name in self._configured:
+            yield self._configured[name]
         if not name or name in (".", "..") or "/" in name or "\\" in name:
             return
-        yield from (place for place in self._above if _called(place) == name)
-        yield from self._of_ros(name)
+        yield from (place for place in self._above if _package_name(place) == name)
+        yield from self._ros_places(name)
         for prefix in self._entries(_AMENT):
             yield prefix / "share" / name
         yield from (place for place in self._above if place.name == name)
         yield from (place / name for place in self._above)
 
-    def _of_ros(self, name: str) -> Iterator[Path]:
-        for variable in _OF_ROS:
+    def _ros_places(self, name: str) -> Iterator[Path]:
+        for variable in _ROS_VARIABLES:
             for entry in self._entries(variable):
-                if entry.name == name or _called(entry) == name:
+                if entry.name == name or _package_name(entry) == name:
                     yield entry
                 yield entry / name
-                yield from (place for place in _below(entry, _MAX_DEPTH) if _called(place) == name)
+                yield from (
+                    place for place in _folders_below(entry, _MAX_DEPTH) if _package_name(place) == name
+                )
 
     def _entries(self, variable: str) -> list[Path]:
         return [Path(entry) for entry in self._environ.get(variable, "").split(os.pathsep) if entry]
 
-    def near(self, rest: str) -> Iterator[Path]:
+    def paths_above(self, inner_path: str) -> Iterator[Path]:
         """Yields the possible paths of a package's file if the folders above the robot's file are that
         package."""
-        yield from (place / rest for place in self._above if place.parent != place)
+        yield from (place / inner_path for place in self._above if place.parent != place)
 
 
-def _called(place: Path) -> str:
+def _package_name(place: Path) -> str:
     """Returns the name in a folder's package.xml, or ""."""
     try:
         match = _NAME.search(regular_files.content(place / "package.xml", _LARGEST))
@@ -101,7 +103,7 @@ def _called(place: Path) -> str:
     return match.group(1).decode("utf-8", "replace") if match else ""
 
 
-def _below(folder: Path, deep: int) -> Iterator[Path]:
+def _folders_below(folder: Path, depth: int) -> Iterator[Path]:
     try:
         inner = sorted(
             entry for entry in folder.iterdir() if entry.is_dir() and not entry.name.startswith(".")
@@ -110,5 +112,5 @@ def _below(folder: Path, deep: int) -> Iterator[Path]:
         return
     for subfolder in inner:
         yield subfolder
-        if deep > 1:
-            yield from _below(subfolder, deep - 1)
+        if depth > 1:
+            yield from _folders_below(subfolder, depth - 1)

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 SRDF = "robot.srdf"
 """The request for the SRDF's text."""
 
-NAME = "srdf"
+NAME_OPTION = "srdf"
 """The reader's option that holds the SRDF's name."""
 
 AUTO, NONE = "auto", "none"
 
-_KEY = "source.srdf"
+_CONFIG_KEY = "source.srdf"
 
-_KIND = text.TextKind("an SRDF", _KEY, f"give an SRDF, or {_KEY}={NONE}")
+_KIND = text.TextKind("an SRDF", _CONFIG_KEY, f"give an SRDF, or {_CONFIG_KEY}={NONE}")
 
 _FOLDER = "srdf"
 """The folder of SRDFs in many packages, next to that of the URDF."""
@@ -48,23 +48,23 @@ class SrdfFile:
 
     def unread(self, why: str) -> Diagnostic:
         """Reports W-SRDF: the build goes on without the file."""
-        hint = f"correct it, or build without it: {_KEY}={NONE}"
+        hint = f"correct it, or build without it: {_CONFIG_KEY}={NONE}"
         return Diagnostic("W-SRDF", f"{why}: the robot is built without it", self.name, hint)
 
 
-def is_asked(source: UrdfSourceSection) -> bool:
+def is_named_by_user(source: UrdfSourceSection) -> bool:
     """Tells whether the configuration names the file."""
     return source.srdf not in (AUTO, NONE)
 
 
 def require(source: UrdfSourceSection) -> None:
     """Raises ConfigError if the configuration names a missing file, or a xacro file."""
-    if not is_asked(source):
+    if not is_named_by_user(source):
         return
-    regular_files.require(source.srdf, _KEY, "an SRDF is a file", "robots/arm.srdf")
+    regular_files.require(source.srdf, _CONFIG_KEY, "an SRDF is a file", "robots/arm.srdf")
     if source.srdf.lower().endswith(".xacro"):
         msg = f"{source.srdf} is a xacro file, and only that of source.path is expanded"
-        raise ConfigError(msg, _KEY, "expand it yourself: xacro FILE > robot.srdf")
+        raise ConfigError(msg, _CONFIG_KEY, "expand it yourself: xacro FILE > robot.srdf")
 
 
 def read(source: UrdfSourceSection, robot: str, folders: Mapping[str, str]) -> SrdfFile | None:
@@ -80,17 +80,17 @@ def read(source: UrdfSourceSection, robot: str, folders: Mapping[str, str]) -> S
     try:
         content = text.read(path, name, _KIND)
     except SourceError as error:
-        if is_asked(source):
+        if is_named_by_user(source):
             raise
         return SrdfFile(name, why=error.message)
-    return SrdfFile(name, text.without(content, folders).encode())
+    return SrdfFile(name, text.without_folders(content, folders).encode())
 
 
 def _place(source: UrdfSourceSection, robot: str) -> tuple[Path, str] | None:
     """Returns the path of the file, and its name in messages."""
     if source.srdf == NONE:
         return None
-    if is_asked(source):
+    if is_named_by_user(source):
         path = Path(source.srdf).absolute()
         return path, path.name
     urdf = Path(source.path).absolute()

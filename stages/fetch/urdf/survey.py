@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
 READER = 3
-"""The version of the reader. It grows with every change of the result for the same files."""
+"""Version of the reader, to be raised with every change of the result for the same files."""
 
 LARGEST_MESH = 1 << 29
 """Largest size of a mesh file that is read [bytes]."""
@@ -70,7 +70,7 @@ class Survey:
     def _digest(self, place: MeshPlace) -> tuple[str, str]:
         if place.file is None:
             return "", place.why
-        return self.files.shown(place.file), _content_digest(place.file, self.files.roots())
+        return self.files.name_in_messages(place.file), _content_digest(place.file, self.files.roots())
 
 
 def survey(source: UrdfSourceSection, environ: Mapping[str, str]) -> Survey:
@@ -80,19 +80,19 @@ def survey(source: UrdfSourceSection, environ: Mapping[str, str]) -> Survey:
     file is not readable as a URDF.
     """
     path = Path(source.path).absolute()
-    configured = {name: Path(folder).absolute() for name, folder in source.packages.items()}
-    packages = Packages(path.parent, configured, environ)
+    configured_packages = {name: Path(folder).absolute() for name, folder in source.packages.items()}
+    packages = Packages(path.parent, configured_packages, environ)
     content = text.read(path, path.name)
     if expand.is_named(path):
-        content = text.uncommented(expand.expanded(source, content, environ, packages.find))
+        content = text.without_comments(expand.expand_xacro(source, content, environ, packages.find))
     else:
         plain.require(content, path.name)
     places = MeshPlaces(path.parent, packages, text.meshdir(content))
     files = {name: places.find(name) for name in [*text.meshes(content), *text.images(content)]}
-    public = _public(files, places)
+    public_names = _public_names(files, places)
     folders = _folders(path.parent, packages)
-    content = text.without(text.renamed(content, public), folders)
-    places_by_name = {public.get(name, name): place for name, place in files.items()}
+    content = text.without_folders(text.with_renamed_files(content, public_names), folders)
+    places_by_name = {public_names.get(name, name): place for name, place in files.items()}
     return Survey(
         path.name,
         content.encode(),
@@ -118,14 +118,14 @@ def identity(source: UrdfSourceSection, environ: Mapping[str, str]) -> dict[str,
     }
 
 
-def _public(files: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
+def _public_names(files: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
     """Returns replacements for names that reveal where on this computer a file is."""
     names: dict[str, str] = {}
     folders: dict[str, int] = {}
     for name, place in files.items():
         if not places.is_private(name):
             continue
-        public_name = places.public(place.file) if place.file and not place.searched else ""
+        public_name = places.public_name(place.file) if place.file and not place.searched else ""
         if not public_name:
             parent, _, last = name.replace("\\", "/").rpartition("/")
             public_name = f"elsewhere/{folders.setdefault(parent, len(folders) + 1)}/{last}"

@@ -24,9 +24,9 @@ _FILENAME = re.compile(_VALUE % "filename")
 _MESHDIR = re.compile(_VALUE % "meshdir")
 _ROBOT = re.compile(r"<robot\b[^<>]*")
 _NAME = re.compile(_VALUE % "name")
-_DECLARED = re.compile(rb"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_DECLARED_ENCODING = re.compile(rb"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _DECLARATION = re.compile(r"\A<\?xml[^>]*\?>")
-_BOMS = (
+_BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF8, "utf-8"),
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
@@ -61,15 +61,15 @@ def read(path: Path, where: str, kind: TextKind = URDF) -> str:
     except regular_files.FileTooLarge as error:
         msg = f"it is not readable as {kind.name}: it has {error.size} bytes; at most {LARGEST} are read"
         raise SourceError(msg, where, f"check that {kind.key} names the right file") from None
-    return uncommented(_decoded(data, where, kind))
+    return without_comments(_decoded(data, where, kind))
 
 
 def _decoded(data: bytes, where: str, kind: TextKind) -> str:
-    bom = next((bom for bom in _BOMS if data.startswith(bom[0])), None)
-    declared = _DECLARED.match(data)
-    encoding = bom[1] if bom else declared.group(1).decode() if declared else "utf-8"
+    mark = next((mark for mark in _BYTE_ORDER_MARKS if data.startswith(mark[0])), None)
+    declaration = _DECLARED_ENCODING.match(data)
+    encoding = mark[1] if mark else declaration.group(1).decode() if declaration else "utf-8"
     try:
-        text = (data[len(bom[0]) :] if bom else data).decode(encoding)
+        text = (data[len(mark[0]) :] if mark else data).decode(encoding)
     except (LookupError, UnicodeDecodeError):
         text = ""
     if not text or "\0" in text:
@@ -78,7 +78,7 @@ def _decoded(data: bytes, where: str, kind: TextKind) -> str:
     return _DECLARATION.sub('<?xml version="1.0"?>', text)
 
 
-def uncommented(text: str) -> str:
+def without_comments(text: str) -> str:
     """Returns the text with its comments emptied: every line keeps its number."""
     pieces, end = list[str](), 0
     while (start := text.find("<!--", end)) >= 0:
@@ -114,10 +114,10 @@ def meshdir(text: str) -> str:
     return _value(match) if match else ""
 
 
-def renamed(text: str, names: Mapping[str, str]) -> str:
+def with_renamed_files(text: str, names: Mapping[str, str]) -> str:
     """Returns the text with mesh files and images renamed: `names` from old to new."""
 
-    def other(element: re.Match[str]) -> str:
+    def renamed_element(element: re.Match[str]) -> str:
         element_text = element.group()
         match = _FILENAME.search(element_text)
         if match is None or _value(match) not in names:
@@ -125,10 +125,10 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
         start, end = match.span(1 if match.group(1) is not None else 2)
         return f"{element_text[:start]}{html.escape(names[_value(match)], quote=True)}{element_text[end:]}"
 
-    return _NAMING.sub(other, text) if names else text
+    return _NAMING.sub(renamed_element, text) if names else text
 
 
-def without(text: str, folders: Mapping[str, str]) -> str:
+def without_folders(text: str, folders: Mapping[str, str]) -> str:
     """Returns the text with absolute paths replaced as in `folders`; the longest first."""
     for folder in sorted(folders, key=len, reverse=True):
         text = text.replace(f"{folder}/", f"{folders[folder]}/")

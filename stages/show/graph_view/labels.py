@@ -25,9 +25,9 @@ def shortened(text: str, room: float, measure: Callable[[str], float] = columns)
     return "…"
 
 
-def decimal(value: float) -> str:
+def decimal(number: float) -> str:
     """Formats a number with four significant digits."""
-    return f"{round(value, 9) + 0.0:.4g}"
+    return f"{round(number, 9) + 0.0:.4g}"
 
 
 def kilograms(mass: float) -> str:

@@ -111,23 +111,26 @@ def _loop(live: LiveModel, index: int) -> dict[str, Any]:
     values = model.eq_data[index]
     identity = np.array([1.0, 0, 0, 0])
     if model.eq_objtype[index] == _SITE:
-        bodies = [int(model.site_bodyid[site]) for site in ends]
-        frames = [(model.site_pos[site], model.site_quat[site]) for site in ends]
+        end_bodies = [int(model.site_bodyid[site]) for site in ends]
+        end_frames = [(model.site_pos[site], model.site_quat[site]) for site in ends]
     else:
-        bodies = list(ends)
+        end_bodies = list(ends)
         # For a weld MuJoCo keeps the second body's point first, then the first body's point and orientation
         # (mj_instantiateEquality); for a connect the first body's point first.
         first = (values[3:6], values[6:10]) if kind == "weld" else (values[0:3], identity)
         second = (values[0:3], identity) if kind == "weld" else (values[3:6], identity)
-        frames = [first, second]
+        end_frames = [first, second]
     if kind == "connect":
-        frames[1] = (frames[1][0], _orientation_in(live, bodies[1], bodies[0], frames[0][1]))
+        end_frames[1] = (
+            end_frames[1][0],
+            _orientation_in(live, end_bodies[1], end_bodies[0], end_frames[0][1]),
+        )
     return {
         "name": live.name(mujoco.mjtObj.mjOBJ_EQUALITY, index),
         "type": kind,
-        "bodies": bodies,
-        "a_from": {"pos": rounded_list(frames[0][0]), "quat": rounded_list(frames[0][1])},
-        "b_from": {"pos": rounded_list(frames[1][0]), "quat": rounded_list(frames[1][1])},
+        "bodies": end_bodies,
+        "a_from": {"pos": rounded_list(end_frames[0][0]), "quat": rounded_list(end_frames[0][1])},
+        "b_from": {"pos": rounded_list(end_frames[1][0]), "quat": rounded_list(end_frames[1][1])},
     }
 
 

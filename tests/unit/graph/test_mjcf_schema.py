@@ -327,7 +327,7 @@ def test_elements_that_are_left_out_as_a_whole_are_named(words):
 
 
 def test_a_silent_attribute_is_found(base, monkeypatch):
-    monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
+    monkeypatch.setattr(unsupported, "element_omissions", lambda *_: ())
     assert lost(("asset", "material"), ["shininess", "rgba"], base) == ["shininess is silent"]
 
 

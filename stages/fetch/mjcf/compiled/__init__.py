@@ -16,7 +16,7 @@
 - options: Reads the options and flags of a compiled model that are not MuJoCo's defaults, in the words of an
   MJCF.
 - textures: Reads the textures that a compiled model's materials give to its meshes.
-- trees: Finds the bodies of a model that are the robot; all other bodies are in the scene around it.
+- trees: Finds the bodies of a model that belong to the robot; all other bodies are in the scene around it.
 - unsupported: Reports by name every element or attribute of an MJCF that our robot model cannot represent.
 - unsupported_fields: Finds, in MuJoCo's compiled model, attributes and options of an MJCF that our robot
   model cannot represent.

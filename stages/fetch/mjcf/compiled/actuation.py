@@ -11,9 +11,9 @@ from linkwright.stages.mujoco.elements import actuator_attributes
 from linkwright.stages.mujoco.names import controls_of, name_of
 from linkwright.stages.mujoco.sensors import sensor_attributes
 
-_SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+_SCALAR_JOINTS = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 
-_TYPES: Mapping[str, tuple[str, Mapping[str, str]]] = {
+_WORDS_OF_ATTRIBUTES: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "gaintype": ("mjtGain", {"mjGAIN_FIXED": "fixed", "mjGAIN_AFFINE": "affine"}),
     "biastype": ("mjtBias", {"mjBIAS_NONE": "none", "mjBIAS_AFFINE": "affine"}),
     "dyntype": (
@@ -29,36 +29,43 @@ _TYPES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 """The attributes whose values are words, with the words that every MuJoCo version knows. Muscles, plug-ins
 and the motors of later versions are left out."""
 
-_DEFAULTS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
+_DEFAULT_PARAMETERS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
 
 
-def driven(model: Any, kept: Collection[int]) -> tuple[int, ...]:
-    """Returns the actuators that can be carried over: those of hinges and slides of the bodies `kept`."""
-    return tuple(index for index in range(len(model.actuator_trntype)) if _carried(model, index, kept))
+def carried_actuators(model: Any, kept: Collection[int]) -> tuple[int, ...]:
+    """Returns the numbers of the actuators that our model can have: those of hinges and slides of the bodies
+    `kept`, of a known type."""
+    return tuple(
+        index for index in range(len(model.actuator_trntype)) if _is_carried_over(model, index, kept)
+    )
 
 
-def _carried(model: Any, index: int, kept: Collection[int]) -> bool:
+def _is_carried_over(model: Any, index: int, kept: Collection[int]) -> bool:
     if int(model.actuator_trntype[index]) not in (
         mujoco.mjtTrn.mjTRN_JOINT,
         mujoco.mjtTrn.mjTRN_JOINTINPARENT,
     ):
         return False
     joint = int(model.actuator_trnid[index][0])
-    has_known_words = all(_word(model, index, name) is not None for name in _TYPES)
-    return has_known_words and int(model.jnt_type[joint]) in _SCALAR and int(model.jnt_bodyid[joint]) in kept
+    has_known_words = all(_word(model, index, name) is not None for name in _WORDS_OF_ATTRIBUTES)
+    return (
+        has_known_words
+        and int(model.jnt_type[joint]) in _SCALAR_JOINTS
+        and int(model.jnt_bodyid[joint]) in kept
+    )
 
 
 def _word(model: Any, index: int, attribute: str) -> str | None:
-    kind, words = _TYPES[attribute]
+    kind, words = _WORDS_OF_ATTRIBUTES[attribute]
     return words.get(getattr(mujoco, kind)(int(getattr(model, f"actuator_{attribute}")[index])).name)
 
 
 def actuator(model: Any, index: int, order: Mapping[int, int]) -> MjcfActuator:
-    """Returns an actuator. `order`: MuJoCo's number of a joint → its number in our model."""
-    words = {name: _word(model, index, name) or "" for name in _TYPES}
-    numbers = {name: _trimmed(getattr(model, f"actuator_{name}")[index]) for name in _DEFAULTS}
-    kind, kp, kv = _shortcut(words, numbers)
-    terms = () if kind != "general" else _terms(model, index, words, numbers)
+    """Converts an actuator. `order`: MuJoCo's number of a joint → its number in our model."""
+    words = {name: _word(model, index, name) or "" for name in _WORDS_OF_ATTRIBUTES}
+    parameters = {name: _trimmed(getattr(model, f"actuator_{name}")[index]) for name in _DEFAULT_PARAMETERS}
+    kind, kp, kv = _shortcut(words, parameters)
+    terms = () if kind != "general" else _terms(model, index, words, parameters)
     return MjcfActuator(
         name=name_of(model, mujoco.mjtObj.mjOBJ_ACTUATOR, index),
         joint=order[int(model.actuator_trnid[index][0])],
@@ -76,7 +83,8 @@ def actuator(model: Any, index: int, order: Mapping[int, int]) -> MjcfActuator:
 def _shortcut(
     words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
 ) -> tuple[str, float | None, float | None]:
-    """Returns the shortcut that has these parameters, with its kp and kv."""
+    """Returns the shortcut of MJCF (motor, position, velocity) that has these parameters, else "general";
+    with its kp and kv."""
     gain, bias = numbers["gainprm"], (*numbers["biasprm"], 0.0, 0.0, 0.0)
     is_plain = words["dyntype"] == "none" and words["gaintype"] == "fixed" and len(gain) == 1
     if is_plain and words["biastype"] == "none" and gain == (1.0,):
@@ -126,8 +134,8 @@ _PLAIN_SENSORS = (
 )
 """Sensors that are carried over: those on joints, actuators, sites and bodies."""
 
-_WORDS = {"jointactfrc": "jointactuatorfrc"}
-"""Name in MuJoCo's code → element, where they differ."""
+_ELEMENT_NAMES = {"jointactfrc": "jointactuatorfrc"}
+"""Name in MuJoCo's code → name of the element in an MJCF, if they differ."""
 
 _OBJECTS: Mapping[int, str] = {
     mujoco.mjtObj.mjOBJ_UNKNOWN: "",
@@ -143,20 +151,20 @@ Numbers = Mapping[str, Mapping[int, int]]
 
 
 def sensor(model: Any, index: int, numbers: Numbers) -> MjcfSensor | None:
-    """Returns a sensor; None if it, or its object, is not carried over."""
-    raw = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_").lower()
-    kind = _WORDS.get(raw, raw)
-    on = _end(int(model.sensor_objtype[index]), int(model.sensor_objid[index]), numbers)
-    of = _end(int(model.sensor_reftype[index]), int(model.sensor_refid[index]), numbers)
+    """Converts a sensor; returns None if the sensor, or its object, is not carried over."""
+    name_in_code = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_").lower()
+    kind = _ELEMENT_NAMES.get(name_in_code, name_in_code)
+    target = _end(int(model.sensor_objtype[index]), int(model.sensor_objid[index]), numbers)
+    reference = _end(int(model.sensor_reftype[index]), int(model.sensor_refid[index]), numbers)
     # A rangefinder may give more than a distance.
     has_vector_output = kind == "rangefinder" and int(model.sensor_intprm[index][0]) not in (0, 1)
-    if kind not in _PLAIN_SENSORS or on is None or of is None or has_vector_output:
+    if kind not in _PLAIN_SENSORS or target is None or reference is None or has_vector_output:
         return None
     return MjcfSensor(
         name=name_of(model, mujoco.mjtObj.mjOBJ_SENSOR, index),
         type=kind,
-        on=on,
-        relative_to=of,
+        on=target,
+        relative_to=reference,
         noise=float(model.sensor_noise[index]),
         cutoff=float(model.sensor_cutoff[index]),
         attributes=sensor_attributes(model, index),

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.stages.mujoco.names import controls_of
 
-_OF_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+_JOINT_TRANSMISSIONS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 def efforts(model: Any) -> dict[int, float]:
@@ -20,21 +20,21 @@ def efforts(model: Any) -> dict[int, float]:
     bounds: dict[int, float] = {}
     for actuator in range(len(model.actuator_trntype)):
         joint = int(model.actuator_trnid[actuator][0])
-        if int(model.actuator_trntype[actuator]) in _OF_JOINTS:
-            bounds[joint] = bounds.get(joint, 0.0) + _largest(model, actuator)
+        if int(model.actuator_trntype[actuator]) in _JOINT_TRANSMISSIONS:
+            bounds[joint] = bounds.get(joint, 0.0) + _max_force(model, actuator)
     for joint in range(model.njnt):
         if model.jnt_actfrclimited[joint]:
             bound = float(np.abs(model.jnt_actfrcrange[joint]).max())
             bounds[joint] = min(bounds.get(joint, math.inf), bound)
-    scalar = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    scalar_types = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
     return {
         joint: bound
         for joint, bound in bounds.items()
-        if 0 < bound < math.inf and int(model.jnt_type[joint]) in scalar
+        if 0 < bound < math.inf and int(model.jnt_type[joint]) in scalar_types
     }
 
 
-def _largest(model: Any, actuator: int) -> float:
+def _max_force(model: Any, actuator: int) -> float:
     """Returns the largest force of an actuator at its joint: force times gear; for a plain motor, gain times
     control times gear."""
     force = math.inf
@@ -47,6 +47,6 @@ def _largest(model: Any, actuator: int) -> float:
     )
     control = controls_of(model, actuator).start
     if is_motor and model.actuator_ctrllimited[control]:
-        largest = float(np.abs(model.actuator_ctrlrange[control]).max())
-        force = min(force, abs(float(model.actuator_gainprm[actuator][0])) * largest)
+        max_control = float(np.abs(model.actuator_ctrlrange[control]).max())
+        force = min(force, abs(float(model.actuator_gainprm[actuator][0])) * max_control)
     return force * abs(float(model.actuator_gear[actuator][0])) if force < math.inf else math.inf

@@ -17,19 +17,19 @@ from linkwright.stages.mujoco.names import OBJ
 from linkwright.stages.robot.model.mjcf_extras import Attributes
 from linkwright.stages.robot.model.robot import frozen
 
-_NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The quaternion of no rotation."""
 
 
-def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
+def is_carried_over(model: Any, eq: int, kept: Collection[int]) -> bool:
     """Tells whether our robot model can represent an equality: a connect, a weld, or a joint that follows
     another in proportion, between bodies that are kept."""
     kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
     if not model.eq_active0[eq]:
         return False
     if kind == mujoco.mjtEq.mjEQ_JOINT:
-        straight = second >= 0 and model.eq_data[eq][1] != 0 and not model.eq_data[eq][2:5].any()
-        return straight and all(int(model.jnt_bodyid[joint]) in kept for joint in (first, second))
+        is_proportional = second >= 0 and model.eq_data[eq][1] != 0 and not model.eq_data[eq][2:5].any()
+        return is_proportional and all(int(model.jnt_bodyid[joint]) in kept for joint in (first, second))
     if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
         return False
     if model.eq_objtype[eq] == OBJ.mjOBJ_SITE:
@@ -38,19 +38,21 @@ def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
 
 
 def _attributes(model: Any, eq: int) -> Attributes:
-    """Returns the stiffness of an equality, even if it is MuJoCo's default: our default is stiffer."""
+    """Returns the attributes of an equality; solref and solimp also if they are MuJoCo's defaults, since our
+    defaults are stiffer."""
     stiffness = attributes(model, EQUALITY, eq, always=("solref", "solimp"))
     scale = float(model.eq_data[eq][10])
-    weld = int(model.eq_type[eq]) == mujoco.mjtEq.mjEQ_WELD
-    return (*stiffness, ("torquescale", exact([scale]))) if weld and scale != 1 else stiffness
+    is_weld = int(model.eq_type[eq]) == mujoco.mjtEq.mjEQ_WELD
+    return (*stiffness, ("torquescale", exact([scale]))) if is_weld and scale != 1 else stiffness
 
 
-def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
-    """Yields connects and welds. Between bodies, `eq_data` of a connect is the point in both; of a weld it is
-    the point in the second, the same in the first, and first_from_second as a quaternion."""
+def closures(model: Any, body_numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
+    """Yields connects and welds. Without sites, `eq_data` of a connect has the point in the first body, then
+    in the second; `eq_data` of a weld has the point in the second body, then in the first, then
+    first_from_second as a quaternion."""
     for eq in range(model.neq):
         kind = int(model.eq_type[eq])
-        if kind == mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+        if kind == mujoco.mjtEq.mjEQ_JOINT or not is_carried_over(model, eq, body_numbers):
             continue
         ends = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
         by_sites = model.eq_objtype[eq] == OBJ.mjOBJ_SITE
@@ -61,13 +63,13 @@ def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
             sites = (model.site(ends[0]).name, model.site(ends[1]).name)
             frames = [pose_of(model.site_pos[end], model.site_quat[end]) for end in ends]
         elif kind == mujoco.mjtEq.mjEQ_CONNECT:
-            frames = [pose_of(data[0:3], _NO_TURN), pose_of(data[3:6], _NO_TURN)]
+            frames = [pose_of(data[0:3], _IDENTITY), pose_of(data[3:6], _IDENTITY)]
         else:
-            frames = [pose_of(data[3:6], data[6:10]), pose_of(data[0:3], _NO_TURN)]
+            frames = [pose_of(data[3:6], data[6:10]), pose_of(data[0:3], _IDENTITY)]
         yield MjcfClosure(
             name=model.equality(eq).name,
             type="connect" if kind == mujoco.mjtEq.mjEQ_CONNECT else "weld",
-            bodies=(numbers[bodies[0]], numbers[bodies[1]]),
+            bodies=(body_numbers[bodies[0]], body_numbers[bodies[1]]),
             sites=sites,
             a_from_frame=frozen(frames[0]),
             b_from_frame=frozen(frames[1]),
@@ -75,13 +77,17 @@ def closures(model: Any, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
         )
 
 
-def relations(model: Any, numbers: Mapping[int, int], order: Mapping[int, int]) -> Iterator[MjcfRelation]:
+def relations(
+    model: Any, body_numbers: Mapping[int, int], order: Mapping[int, int]
+) -> Iterator[MjcfRelation]:
     """Yields linear joint equalities: y − y₀ = a₀ + a₁ (x − x₀)."""
     for eq in range(model.neq):
-        if model.eq_type[eq] != mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+        if model.eq_type[eq] != mujoco.mjtEq.mjEQ_JOINT or not is_carried_over(model, eq, body_numbers):
             continue
         follower, driver = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
         y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, driver))
         constant, slope = (float(value) for value in model.eq_data[eq][:2])
-        offset, attributes = y + constant - slope * x, _attributes(model, eq)
-        yield MjcfRelation(model.equality(eq).name, order[follower], order[driver], slope, offset, attributes)
+        offset, equality_attributes = y + constant - slope * x, _attributes(model, eq)
+        yield MjcfRelation(
+            model.equality(eq).name, order[follower], order[driver], slope, offset, equality_attributes
+        )

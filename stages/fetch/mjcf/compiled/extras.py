@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.stages.fetch.mjcf.compiled.equalities import carried
-from linkwright.stages.fetch.mjcf.compiled.geoms import touches
+from linkwright.stages.fetch.mjcf.compiled.equalities import is_carried_over
+from linkwright.stages.fetch.mjcf.compiled.geoms import can_collide
 from linkwright.stages.fetch.mjcf.compiled.options import flags, options
 from linkwright.stages.formats.mjcf.model import MjcfPlaced
 from linkwright.stages.mujoco import elements
@@ -21,7 +21,7 @@ from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement, M
 from linkwright.stages.robot.model.robot import frozen
 from linkwright.stages.robot.text.names import free
 
-_ON_BODIES = (
+_ELEMENTS_ON_BODIES = (
     ("joint", "njnt", OBJ.mjOBJ_JOINT, "jnt_bodyid"),
     ("geom", "ngeom", OBJ.mjOBJ_GEOM, "geom_bodyid"),
     ("site", "nsite", OBJ.mjOBJ_SITE, "site_bodyid"),
@@ -39,20 +39,20 @@ class ExtrasReader:
     def __init__(self, model: Any, kept: Sequence[int]) -> None:
         self._model = model
         self._kept = set(kept)
-        self._stands = any(
+        self._is_fixed_to_world = any(
             int(model.body_parentid[body]) == 0 and not _floats(model, body) for body in kept if body
         )
 
     def frames(self, body: int) -> list[int]:
-        """Returns the sites that are frames: those with names on the robot, and on the world if the robot is
-        fixed there."""
+        """Returns the numbers of a body's sites that become frames: those with names; for the world only if
+        the robot is fixed to it."""
         model = self._model
-        if not body and not self._stands:
+        if not body and not self._is_fixed_to_world:
             return []
         return [int(site) for site in np.flatnonzero(model.site_bodyid == body) if model.site(site).name]
 
     def mounted(self, body: int, geoms: Sequence[MjcfPlaced]) -> tuple[MjcfPlaced, ...]:
-        """Returns the cameras, lights and sites without names on a body, after these `geoms`."""
+        """Returns the elements on a body: these `geoms`, then sites without names, cameras and lights."""
         model = self._model
         mounted = list(geoms)
         for site in np.flatnonzero(model.site_bodyid == body):
@@ -67,15 +67,15 @@ class ExtrasReader:
             mounted.append(MjcfPlaced(frozen(pose), elements.light(model, int(light))))
         return tuple(mounted)
 
-    def read(self, acting: Collection[int], measured: Collection[int]) -> FoundExtras:
+    def read(self, acting: Collection[int], measured: Collection[int]) -> ExtrasSections:
         """Returns the extras of the whole model. `acting`, `measured`: the actuators and sensors that the
         robot has itself."""
-        sections = FoundExtras(self._model, self._kept, acting, measured)
+        sections = ExtrasSections(self._model, self._kept, acting, measured)
         bodies = CompiledBodies(self._model, lambda body: body not in self._kept)
         world = [
             element
             for element in bodies.world()
-            if not (self._stands and element.tag == "site" and element.name)
+            if not (self._is_fixed_to_world and element.tag == "site" and element.name)
         ]
         sections.scene["asset"], sections.scene["worldbody"] = list(bodies.assets()), world
         sections.read()
@@ -86,7 +86,7 @@ def _floats(model: Any, body: int) -> bool:
     return bool(model.body_jntnum[body]) and int(model.jnt_type[model.body_jntadr[body]]) == 0
 
 
-class FoundExtras:
+class ExtrasSections:
     """The sections of a model: those of the robot, and those of the scene, whose elements name things outside
     the robot. `lost`: (tag, number) of the elements that are not carried over."""
 
@@ -94,7 +94,7 @@ class FoundExtras:
         self, model: Any, kept: Collection[int], acting: Collection[int], measured: Collection[int]
     ) -> None:
         self._model, self._kept = model, kept
-        self._acting, self._measured = acting, measured
+        self._robot_actuators, self._robot_sensors = acting, measured
         self._names = {("body", name_of(model, OBJ.mjOBJ_BODY, body)) for body in kept}
         self._scene_names: set[tuple[str, str]] = set()
         self.sections: dict[str, list[MjcfElement]] = {}
@@ -107,37 +107,43 @@ class FoundExtras:
         model = self._model
         for body in range(model.nbody):
             self._add("body", name_of(model, OBJ.mjOBJ_BODY, body), body in self._kept)
-        for tag, count, kind, bodies in _ON_BODIES:
+        for tag, count, kind, bodies in _ELEMENTS_ON_BODIES:
             for index in range(getattr(model, count)):
-                on = int(getattr(model, bodies)[index])
+                body_of_element = int(getattr(model, bodies)[index])
                 # Elements on the world belong to the scene, except the frames of a robot that is fixed there.
-                self._add(tag, name_of(model, kind, index), on in self._kept and (on > 0 or tag == "site"))
+                self._add(
+                    tag,
+                    name_of(model, kind, index),
+                    body_of_element in self._kept and (body_of_element > 0 or tag == "site"),
+                )
         self._section("contact", "pair", ((i, elements.pair(model, i)) for i in range(model.npair)))
         self._section("contact", "exclude", ((i, elements.exclude(model, i)) for i in range(model.nexclude)))
         self._section("tendon", "tendon", ((i, elements.tendon(model, i)) for i in range(model.ntendon)))
-        ties = (eq for eq in range(model.neq) if not carried(model, eq, self._kept))
-        self._section("equality", "equality", ((eq, elements.equality(model, eq)) for eq in ties))
-        self._section("actuator", "actuator", self._titled("actuator", OBJ.mjOBJ_ACTUATOR, self._acting))
-        self._section("sensor", "sensor", self._titled("sensor", OBJ.mjOBJ_SENSOR, self._measured))
+        other_equalities = (eq for eq in range(model.neq) if not is_carried_over(model, eq, self._kept))
+        self._section("equality", "equality", ((eq, elements.equality(model, eq)) for eq in other_equalities))
+        self._section(
+            "actuator", "actuator", self._with_names("actuator", OBJ.mjOBJ_ACTUATOR, self._robot_actuators)
+        )
+        self._section("sensor", "sensor", self._with_names("sensor", OBJ.mjOBJ_SENSOR, self._robot_sensors))
 
-    def _add(self, kind: str, name: str, robots: bool) -> None:
+    def _add(self, kind: str, name: str, is_robots: bool) -> None:
         if name:
-            (self._names if robots else self._scene_names).add((kind, name))
+            (self._names if is_robots else self._scene_names).add((kind, name))
 
     def _section(self, section: str, kind: str, numbered: Iterator[Numbered]) -> None:
-        """Puts each element into the robot or the scene, by the things that it names. An element that names a
-        lost element is lost too."""
+        """Adds each element to the robot, or to the scene if it names an object of the scene. An element that
+        names a lost element is lost too."""
         for number, element in numbered:
             if element is None or not set(element.named()) <= self._names | self._scene_names:
                 self.lost.add((kind, number))
                 continue
-            robots = set(element.named()) <= self._names
-            (self.sections if robots else self.scene).setdefault(section, []).append(element)
-            self._add(kind, element.name, robots)
-            if robots and section in self.order:
+            is_robots = set(element.named()) <= self._names
+            (self.sections if is_robots else self.scene).setdefault(section, []).append(element)
+            self._add(kind, element.name, is_robots)
+            if is_robots and section in self.order:
                 self.order[section].append(element.name)
 
-    def _titled(self, kind: str, obj: Any, robots_own: Collection[int]) -> Iterator[Numbered]:
+    def _with_names(self, kind: str, obj: Any, robots_own: Collection[int]) -> Iterator[Numbered]:
         """Yields the actuators or sensors except `robots_own`, each with a name."""
         model = self._model
         number = len(model.actuator_trntype) if kind == "actuator" else model.nsensor
@@ -145,16 +151,16 @@ class FoundExtras:
         used_names = set(names)
         for index, name in enumerate(names):
             if index in robots_own:
-                self._add(kind, name, robots=True)
+                self._add(kind, name, is_robots=True)
                 self.order[kind].append(name)
                 continue
             element = elements.actuator(model, index) if kind == "actuator" else sensor(model, index)
             name = name or free(f"{kind}_{index}", used_names)
             used_names.add(name)
-            title: Attributes = (("name", name),)
+            name_attribute: Attributes = (("name", name),)
             yield (
                 index,
-                element and replace(element, attributes=(*title, *element.attributes)),
+                element and replace(element, attributes=(*name_attribute, *element.attributes)),
             )
 
     def extras(self) -> MjcfExtras:
@@ -163,7 +169,7 @@ class FoundExtras:
         scene_joints = [
             joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) not in self._kept
         ]
-        fixed = [
+        fixed_geoms = [
             geom
             for geom in range(model.ngeom)
             if model.body_weldid[model.geom_bodyid[geom]] == 0
@@ -174,7 +180,7 @@ class FoundExtras:
             order=tuple((section, tuple(names)) for section, names in self.order.items() if names),
             scene=_sections(self.scene),
             scene_qpos=qpos_of(model, scene_joints, model.qpos0),
-            has_ground=any(touches(model, geom) for geom in fixed),
+            has_ground=any(can_collide(model, geom) for geom in fixed_geoms),
             option=tuple(options(model)),
             flag=tuple(flags(model)),
         )
@@ -184,14 +190,14 @@ def _sections(by_tag: dict[str, list[MjcfElement]]) -> tuple[MjcfElement, ...]:
     return tuple(MjcfElement(tag, children=tuple(children)) for tag, children in by_tag.items() if children)
 
 
-_SIZES = {0: 7, 1: 4, 2: 1, 3: 1}
+_QPOS_SIZES = {0: 7, 1: 4, 2: 1, 3: 1}
 """MuJoCo's type of joint → its number of values in `qpos`."""
 
 
 def qpos_of(model: Any, joints: Collection[int], qpos: Any) -> tuple[float, ...]:
     """Returns the values of these joints in `qpos`."""
     return tuple(
-        float(qpos[int(model.jnt_qposadr[joint]) + place])
+        float(qpos[int(model.jnt_qposadr[joint]) + offset])
         for joint in joints
-        for place in range(_SIZES[int(model.jnt_type[joint])])
+        for offset in range(_QPOS_SIZES[int(model.jnt_type[joint])])
     )

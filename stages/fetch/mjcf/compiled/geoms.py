@@ -32,30 +32,30 @@ GEOMS: Mapping[int, MjcfGeomKind] = {
 
 _ELLIPSOID, _PLANE = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID), int(mujoco.mjtGeom.mjGEOM_PLANE)
 
-_DEFAULT = (0.5, 0.5, 0.5, 1.0)
+_DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default colour of a geom; a geom with this colour has its material's colour."""
 
-_SHOWN = 3
+_FIRST_HIDDEN_GROUP = 3
 """Geoms of this group or above are hidden in MuJoCo's viewer by default."""
 
-_NUMBERS = ("friction", "solref", "solimp", "margin", "solmix", "gap")
-_WHOLE = ("condim", "priority", "contype", "conaffinity")
+_REAL_PROPERTIES = ("friction", "solref", "solimp", "margin", "solmix", "gap")
+_INTEGER_PROPERTIES = ("condim", "priority", "contype", "conaffinity")
 
 
-def touches(model: Any, number: int) -> bool:
-    """Tells whether another geom can collide with this geom, by its bits."""
+def can_collide(model: Any, number: int) -> bool:
+    """Tells whether another geom can collide with this geom: whether any of its contact bits is set."""
     return bool(model.geom_contype[number] or model.geom_conaffinity[number])
 
 
 def rgba_of(model: Any, number: int) -> Colour:
-    """Returns the geom's own colour, or else its material's."""
+    """Returns the geom's own colour; if that is MuJoCo's default, the colour of its material."""
     rgba, material = _colour(model.geom_rgba[number]), int(model.geom_matid[number])
-    return rgba if rgba != _DEFAULT or material < 0 else _colour(model.mat_rgba[material])
+    return rgba if rgba != _DEFAULT_COLOUR or material < 0 else _colour(model.mat_rgba[material])
 
 
-def shows(model: Any, number: int) -> bool:
-    """Tells whether a geom is only visual."""
-    return not touches(model, number) and model.geom_bodyid[number] > 0 and rgba_of(model, number)[3] > 0
+def is_visual_only(model: Any, number: int) -> bool:
+    """Tells whether a geom of the robot is visible and cannot collide."""
+    return not can_collide(model, number) and model.geom_bodyid[number] > 0 and rgba_of(model, number)[3] > 0
 
 
 def is_extra(model: Any, number: int) -> bool:
@@ -67,9 +67,9 @@ def is_extra(model: Any, number: int) -> bool:
     kind = int(model.geom_type[number])
     if kind == _PLANE:
         return True
-    primitive = kind in GEOMS and (GEOMS[kind] != "mesh" or kind == _ELLIPSOID)
-    unseen = not shows(model, number) or model.geom_fluid[number][0] > 0
-    return primitive and not touches(model, number) and bool(unseen)
+    is_primitive = kind in GEOMS and (GEOMS[kind] != "mesh" or kind == _ELLIPSOID)
+    is_unseen = not is_visual_only(model, number) or model.geom_fluid[number][0] > 0
+    return is_primitive and not can_collide(model, number) and bool(is_unseen)
 
 
 class Geoms:
@@ -77,7 +77,7 @@ class Geoms:
 
     def __init__(self, model: Any, meshes: Meshes, textures: Textures) -> None:
         self._model, self._meshes, self._textures = model, meshes, textures
-        self._shown = any(shows(model, number) for number in range(model.ngeom))
+        self._shown = any(is_visual_only(model, number) for number in range(model.ngeom))
 
     def of(self, body: int) -> Iterator[MjcfGeom]:
         """Yields a body's shapes.
@@ -86,11 +86,13 @@ class Geoms:
         hidden group of a model that has visual geoms: viewers draw group by group.
         """
         model = self._model
-        dress = {int(model.geom_group[number]) for number in self._numbers(body) if shows(model, number)}
+        visual_groups = {
+            int(model.geom_group[number]) for number in self._numbers(body) if is_visual_only(model, number)
+        }
         for number in self._numbers(body):
-            collides, group = touches(model, number), int(model.geom_group[number])
-            hidden = bool(dress - {group}) or (self._shown and group >= _SHOWN)
-            is_visible = rgba_of(model, number)[3] > 0 and not (collides and hidden)
+            collides, group = can_collide(model, number), int(model.geom_group[number])
+            is_hidden = bool(visual_groups - {group}) or (self._shown and group >= _FIRST_HIDDEN_GROUP)
+            is_visible = rgba_of(model, number)[3] > 0 and not (collides and is_hidden)
             if int(model.geom_type[number]) in GEOMS and (collides or is_visible):
                 yield self._geom(number, collides, is_visible)
 
@@ -98,7 +100,7 @@ class Geoms:
         model, kind = self._model, int(self._model.geom_type[number])
         rgba = rgba_of(model, number)
         image = self._textures.of(number) if is_visible else ""
-        colour = rgba if is_visible and (rgba != _DEFAULT or image) else None
+        colour = rgba if is_visible and (rgba != _DEFAULT_COLOUR or image) else None
         pose = pose_of(model.geom_pos[number], model.geom_quat[number])
         form, mesh = _form(model, number, collides), None
         if kind == _ELLIPSOID:
@@ -116,7 +118,8 @@ class Geoms:
         model = self._model
         return tuple(
             MjcfPlaced(
-                frozen(pose_of(model.geom_pos[number], model.geom_quat[number])), _unseen(model, number)
+                frozen(pose_of(model.geom_pos[number], model.geom_quat[number])),
+                _extra_element(model, number),
             )
             for number in self._numbers(body)
             if is_extra(model, number)
@@ -128,12 +131,12 @@ class Geoms:
         return range(first, first + int(self._model.body_geomnum[body]))
 
 
-def _unseen(model: Any, number: int) -> Any:
+def _extra_element(model: Any, number: int) -> Any:
     """Returns a geom as an element, without mass. A geom for a fluid is invisible, as its visible shape is
     elsewhere."""
     element = geom(model, number)
     values = dict(element.attributes) | {"mass": "0"}
-    if shows(model, number) and int(model.geom_type[number]) != _PLANE:
+    if is_visual_only(model, number) and int(model.geom_type[number]) != _PLANE:
         values["rgba"] = "0 0 0 0"
     return replace(element, attributes=tuple(values.items()))
 
@@ -156,10 +159,10 @@ def _form(model: Any, number: int, collides: bool) -> GeomForm:
 def _contact(model: Any, number: int) -> ContactProperties | None:
     """Returns the contact properties of a geom that differ from MuJoCo's defaults."""
     differing: dict[str, Any] = {}
-    for name in (*_NUMBERS, *_WHOLE):
-        value, usual = getattr(model, f"geom_{name}")[number], getattr(bare(), f"geom_{name}")[-1]
-        if not np.array_equal(value, usual):
-            if name in _WHOLE:
+    for name in (*_REAL_PROPERTIES, *_INTEGER_PROPERTIES):
+        value, default = getattr(model, f"geom_{name}")[number], getattr(bare(), f"geom_{name}")[-1]
+        if not np.array_equal(value, default):
+            if name in _INTEGER_PROPERTIES:
                 differing[name] = int(value)
             else:
                 differing[name] = tuple(map(float, value)) if np.ndim(value) else float(value)

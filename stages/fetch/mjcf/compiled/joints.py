@@ -24,8 +24,8 @@ JOINTS: Mapping[int, MjcfJointType] = {
 _OPEN_BOUND = 1e6
 """Bound [rad or m] beyond which a side of a range counts as open: MuJoCo has no one-sided range."""
 
-_IN_DYNAMICS = ("damping", "frictionloss", "armature", "stiffness")
-"""Attributes that `Dynamics` has, if they are a single number."""
+_DYNAMICS_ATTRIBUTES = ("damping", "frictionloss", "armature", "stiffness")
+"""Attributes that `Dynamics` or `Spring` represents, unless they have several numbers."""
 
 
 def joints_of(model: Any, body: int, efforts: Mapping[int, float]) -> tuple[MjcfJoint, ...]:
@@ -39,10 +39,10 @@ def joints_of(model: Any, body: int, efforts: Mapping[int, float]) -> tuple[Mjcf
 
 def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
     kind = JOINTS[int(model.jnt_type[joint])]
-    scalar = kind in ("hinge", "slide")
-    dof, place = int(model.jnt_dofadr[joint]), int(model.jnt_qposadr[joint])
+    is_scalar = kind in ("hinge", "slide")
+    dof, qpos_index = int(model.jnt_dofadr[joint]), int(model.jnt_qposadr[joint])
     low, high = (float(bound) for bound in model.jnt_range[joint])
-    ranged = scalar and model.jnt_limited[joint]
+    has_range = is_scalar and model.jnt_limited[joint]
 
     def unless_zero(value: Any) -> float | None:
         return float(value) if kind != "free" and value else None
@@ -51,11 +51,11 @@ def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
         name=model.joint(joint).name,
         type=kind,
         anchor=frozen(np.zeros(3) if kind == "free" else model.jnt_pos[joint]),
-        axis=frozen(model.jnt_axis[joint] if scalar else np.zeros(3)),
-        ref=float(model.qpos0[place]) if scalar else 0.0,
+        axis=frozen(model.jnt_axis[joint] if is_scalar else np.zeros(3)),
+        ref=float(model.qpos0[qpos_index]) if is_scalar else 0.0,
         limits=Limits(
-            low if ranged and low > -_OPEN_BOUND else None,
-            high if ranged and high < _OPEN_BOUND else None,
+            low if has_range and low > -_OPEN_BOUND else None,
+            high if has_range and high < _OPEN_BOUND else None,
         ),
         dynamics=Dynamics(
             damping=unless_zero(model.dof_damping[dof]),
@@ -63,15 +63,15 @@ def _joint(model: Any, joint: int, effort: float | None) -> MjcfJoint:
             armature=unless_zero(model.dof_armature[dof]),
             effort=effort,
         ),
-        spring=_spring(model, joint, place) if scalar or kind == "ball" else None,
+        spring=_spring(model, joint, qpos_index) if is_scalar or kind == "ball" else None,
         attributes=_attributes(model, joint, kind, effort),
     )
 
 
-def _spring(model: Any, joint: int, place: int) -> Spring | None:
-    """Returns the spring of a hinge, slide or ball whose first number in `qpos` is at `place`."""
+def _spring(model: Any, joint: int, qpos_index: int) -> Spring | None:
+    """Returns the spring of a hinge, slide or ball whose first number in `qpos` is at `qpos_index`."""
     stiffness = float(model.jnt_stiffness[joint])
-    reference = 0.0 if JOINTS[int(model.jnt_type[joint])] == "ball" else float(model.qpos_spring[place])
+    reference = 0.0 if JOINTS[int(model.jnt_type[joint])] == "ball" else float(model.qpos_spring[qpos_index])
     return (
         Spring(stiffness, reference)
         if stiffness or "stiffness" in dict(joint_attributes(model, joint))
@@ -83,7 +83,7 @@ def _attributes(model: Any, joint: int, kind: MjcfJointType, effort: float | Non
     """Returns the attributes of a joint in the file besides its type, pose, limits and dynamics; for a free
     joint, all attributes. An effort that results from the actuators alone is not a limit of the joint."""
     values = dict(joint_attributes(model, joint))
-    for name in _IN_DYNAMICS:
+    for name in _DYNAMICS_ATTRIBUTES:
         if kind != "free" and " " not in values.get(name, ""):
             values.pop(name, None)
     force_range = [float(bound) for bound in model.jnt_actfrcrange[joint]]

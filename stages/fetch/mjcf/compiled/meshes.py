@@ -17,7 +17,7 @@ from linkwright.stages.robot.model.robot import Array, MeshRef
 
 
 class Meshes:
-    """The triangles of a model's meshes: a blob for each mesh in each requested colour and texture.
+    """Converts the meshes of a model to triangles: a blob for each mesh in each requested colour and texture.
 
     `keys`: key of a mesh → the digest of its triangles; `blobs`: digest → the triangles in the compact form.
     """
@@ -95,20 +95,20 @@ def _ball() -> tuple[Array, npt.NDArray[np.int32]]:
         next_column = (column + 1) % _POINTS_AROUND
         faces.append((0, 1 + column, 1 + next_column))
         for ring in range(_STEPS_UP - 2):
-            above = 1 + ring * _POINTS_AROUND
+            ring_start = 1 + ring * _POINTS_AROUND
             a, b, c, d = (
-                above + column,
-                above + next_column,
-                above + _POINTS_AROUND + column,
-                above + _POINTS_AROUND + next_column,
+                ring_start + column,
+                ring_start + next_column,
+                ring_start + _POINTS_AROUND + column,
+                ring_start + _POINTS_AROUND + next_column,
             )
             faces += [(a, c, b), (b, c, d)]
-        low = 1 + (_STEPS_UP - 2) * _POINTS_AROUND
-        faces.append((low + column, last, low + next_column))
+        last_ring = 1 + (_STEPS_UP - 2) * _POINTS_AROUND
+        faces.append((last_ring + column, last, last_ring + next_column))
     corners = np.array(faces, dtype=np.int32)
     normals = np.cross(
         points[corners[:, 1]] - points[corners[:, 0]], points[corners[:, 2]] - points[corners[:, 0]]
     )
-    reach = np.abs((normals * points[corners[:, 0]]).sum(axis=1)) / np.linalg.norm(normals, axis=1)
+    face_distances = np.abs((normals * points[corners[:, 0]]).sum(axis=1)) / np.linalg.norm(normals, axis=1)
     # Scaled so that the ball touches its nearest face, and lies within the polyhedron.
-    return points / reach.min(), corners
+    return points / face_distances.min(), corners

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import mujoco
 import numpy as np
 
-from linkwright.stages.fetch.mjcf.compiled.actuation import Numbers, actuator, driven, sensor
+from linkwright.stages.fetch.mjcf.compiled.actuation import Numbers, actuator, carried_actuators, sensor
 from linkwright.stages.fetch.mjcf.compiled.effort import efforts
 from linkwright.stages.fetch.mjcf.compiled.equalities import closures, relations
 from linkwright.stages.fetch.mjcf.compiled.extras import ExtrasReader
@@ -17,7 +17,7 @@ from linkwright.stages.fetch.mjcf.compiled.keyframes import keyframes
 from linkwright.stages.fetch.mjcf.compiled.meshes import Meshes
 from linkwright.stages.fetch.mjcf.compiled.textures import Textures
 from linkwright.stages.fetch.mjcf.compiled.trees import robot_bodies
-from linkwright.stages.fetch.mjcf.compiled.unsupported import in_the_scene, left_out
+from linkwright.stages.fetch.mjcf.compiled.unsupported import omission_reports, scene_reports
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody, MjcfSite
 from linkwright.stages.mujoco.bodies import pose_of
 from linkwright.stages.mujoco.elements import site_attributes
@@ -26,7 +26,7 @@ from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.model.robot import Inertial, frozen
 
-_FINITE = (
+_FINITE_ARRAYS = (
     *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
     *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
     *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature", "key_qpos"),
@@ -53,12 +53,12 @@ def convert(
     geoms = Geoms(model, meshes, textures)
     sites = {body: extras.frames(body) for body in kept}
     order = {joint: number for number, joint in enumerate(joints)}
-    acting = driven(model, numbers)
-    places = _numbers(numbers, order, acting, sites)
-    sensors = {index: sensor(model, index, places) for index in range(model.nsensor)}
-    measured = {index: kept_sensor for index, kept_sensor in sensors.items() if kept_sensor is not None}
-    limits = efforts(model)
-    found_extras = extras.read(acting, list(measured))
+    actuator_numbers = carried_actuators(model, numbers)
+    our_numbers = _numbers(numbers, order, actuator_numbers, sites)
+    sensors = {index: sensor(model, index, our_numbers) for index in range(model.nsensor)}
+    kept_sensors = {index: kept_sensor for index, kept_sensor in sensors.items() if kept_sensor is not None}
+    effort_limits = efforts(model)
+    found_extras = extras.read(actuator_numbers, list(kept_sensors))
     return Mjcf(
         name=model.names.split(b"\0", 1)[0].decode(errors="replace"),
         bodies=tuple(
@@ -67,7 +67,7 @@ def convert(
                 parent=numbers[int(model.body_parentid[body])],
                 parent_from_body=pose_of(model.body_pos[body], model.body_quat[body]),
                 inertial=_inertial(model, body),
-                joints=joints_of(model, body, limits),
+                joints=joints_of(model, body, effort_limits),
                 geoms=tuple(geoms.of(body)) if body else (),
                 sites=tuple(_site(model, site) for site in sites[body]),
                 axes=pose_of(np.zeros(3), model.body_iquat[body])[:3, :3] if body else None,
@@ -79,11 +79,11 @@ def convert(
         closures=tuple(closures(model, numbers)),
         relations=tuple(relations(model, numbers, order)),
         diagnostics=(
-            *in_the_scene(model, kept, where),
-            *left_out(model, spec, kept, textures, where, found_extras.lost, acting),
+            *scene_reports(model, kept, where),
+            *omission_reports(model, spec, kept, textures, where, found_extras.lost, actuator_numbers),
         ),
-        actuators=tuple(actuator(model, index, order) for index in acting),
-        sensors=tuple(measured.values()),
+        actuators=tuple(actuator(model, index, order) for index in actuator_numbers),
+        sensors=tuple(kept_sensors.values()),
         keyframes=keyframes(model, order),
         extras=found_extras.extras(),
     )
@@ -92,14 +92,14 @@ def convert(
 def _numbers(
     bodies: Mapping[int, int],
     joints: Mapping[int, int],
-    acting: Iterable[int],
+    actuator_numbers: Iterable[int],
     sites: Mapping[int, Iterable[int]],
 ) -> Numbers:
     """Returns kind of object → MuJoCo's number → number in our model."""
     frame_sites = [site for body_sites in sites.values() for site in body_sites]
     return {
         "joint": joints,
-        "actuator": {index: number for number, index in enumerate(acting)},
+        "actuator": {index: number for number, index in enumerate(actuator_numbers)},
         "site": {site: number for number, site in enumerate(frame_sites)},
         "body": bodies,
         "xbody": bodies,
@@ -107,7 +107,7 @@ def _numbers(
 
 
 def _require_finite(model: mujoco.MjModel, where: str) -> None:
-    fields = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
+    fields = [name for name in _FINITE_ARRAYS if not np.isfinite(getattr(model, name)).all()]
     if fields:
         msg = f"invalid MJCF: NaN or infinite values in {', '.join(fields)}"
         raise SourceError(msg, where, "look for nan and inf in the file")
@@ -117,8 +117,8 @@ def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
     mass = float(model.body_mass[body])
     if body == 0 or mass == 0.0:
         return None
-    about_com = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
-    return moved(about_com, pose_of(model.body_ipos[body], model.body_iquat[body]))
+    inertial_at_com = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
+    return moved(inertial_at_com, pose_of(model.body_ipos[body], model.body_iquat[body]))
 
 
 def _site(model: mujoco.MjModel, site: int) -> MjcfSite:

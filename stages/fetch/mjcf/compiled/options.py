@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.stages.mujoco.fields import bare
 from linkwright.stages.robot.model.scene import Setting
 
-_CHOICES = {
+_ENUMS = {
     "cone": mujoco.mjtCone,
     "integrator": mujoco.mjtIntegrator,
     "jacobian": mujoco.mjtJacobian,
@@ -19,7 +19,7 @@ _CHOICES = {
 _NAMES = {"disableactuator": "actuatorgroupdisable"}
 
 ALWAYS = ("timestep", "integrator")
-"""The options that are always written: our defaults differ from MuJoCo's."""
+"""Options that are always written, since our defaults differ from MuJoCo's."""
 
 _GROUP_COUNT = 31
 """Number of groups of actuators: bits of MuJoCo's integer."""
@@ -30,15 +30,15 @@ def options(model: Any) -> Iterator[tuple[str, Setting]]:
     for field in dir(model.opt):
         if field.startswith("_") or field.endswith("flags") or callable(getattr(model.opt, field)):
             continue
-        value, usual = getattr(model.opt, field), getattr(bare().opt, field)
-        if np.array_equal(value, usual) and field not in ALWAYS:
+        value, default = getattr(model.opt, field), getattr(bare().opt, field)
+        if np.array_equal(value, default) and field not in ALWAYS:
             continue
         yield _NAMES.get(field, field), _setting(field, value)
 
 
 def _setting(field: str, value: Any) -> Setting:
-    if field in _CHOICES:
-        word = str(_CHOICES[field](int(value)).name.split("_", 1)[1])
+    if field in _ENUMS:
+        word = str(_ENUMS[field](int(value)).name.split("_", 1)[1])
         return {"euler": "Euler", "newton": "Newton"}.get(word.lower(), _case(field, word))
     if field == "disableactuator":
         return tuple(float(group) for group in range(_GROUP_COUNT) if int(value) & 1 << group)
@@ -56,9 +56,9 @@ def _case(field: str, word: str) -> str:
 def flags(model: Any) -> Iterator[tuple[str, str]]:
     """Yields (attribute of <flag>, enable or disable)."""
     for field, kinds in (("disableflags", mujoco.mjtDisableBit), ("enableflags", mujoco.mjtEnableBit)):
-        value, usual = int(getattr(model.opt, field)), int(getattr(bare().opt, field))
+        value, default_bits = int(getattr(model.opt, field)), int(getattr(bare().opt, field))
         for name, member in kinds.__members__.items():
             bit = int(member)
-            if bit.bit_count() == 1 and not name.startswith("mjN") and (value ^ usual) & bit:
-                on = bool(value & bit) == (field == "enableflags")
-                yield name.split("_", 1)[1].lower(), "enable" if on else "disable"
+            if bit.bit_count() == 1 and not name.startswith("mjN") and (value ^ default_bits) & bit:
+                is_enabled = bool(value & bit) == (field == "enableflags")
+                yield name.split("_", 1)[1].lower(), "enable" if is_enabled else "disable"

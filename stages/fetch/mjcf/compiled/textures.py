@@ -9,7 +9,7 @@ import numpy as np
 
 from linkwright.stages.formats import png
 
-_COLOURS = (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
+_COLOUR_ROLES = (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
 """The uses of a texture that are a colour."""
 
 
@@ -27,7 +27,7 @@ class Textures:
         self.images: dict[str, bytes] = {}
 
     @property
-    def carried(self) -> set[int]:
+    def carried_numbers(self) -> set[int]:
         """The numbers of the textures that are carried over."""
         return set(self._digests)
 
@@ -47,17 +47,17 @@ class Textures:
         if material < 0 or not (model.mat_texid[material] >= 0).any():
             return ""
         roles = model.mat_texid[material]
-        texture = max(int(roles[role]) for role in _COLOURS)
-        carried = texture >= 0 and self._is_flat(texture) and self._has_coordinates(geom)
+        texture = max(int(roles[role]) for role in _COLOUR_ROLES)
+        carried_numbers = texture >= 0 and self._is_flat(texture) and self._has_coordinates(geom)
         is_only_role = (roles >= 0).sum() == 1
-        (self._used if carried and is_only_role else self._lost).add(material)
-        return self._image(texture) if carried else ""
+        (self._used if carried_numbers and is_only_role else self._lost).add(material)
+        return self._image(texture) if carried_numbers else ""
 
     def _is_flat(self, texture: int) -> bool:
         model = self._model
         pixels = int(model.tex_height[texture]) * int(model.tex_width[texture])
-        usual = model.tex_nchannel[texture] in (1, 3, 4) and 0 < pixels <= png.MAX_PIXELS
-        return bool(usual and model.tex_type[texture] == mujoco.mjtTexture.mjTEXTURE_2D)
+        has_usual_size = model.tex_nchannel[texture] in (1, 3, 4) and 0 < pixels <= png.MAX_PIXELS
+        return bool(has_usual_size and model.tex_type[texture] == mujoco.mjtTexture.mjTEXTURE_2D)
 
     def _has_coordinates(self, geom: int) -> bool:
         model = self._model

@@ -5,14 +5,14 @@ from typing import Any
 
 import mujoco
 
-from linkwright.stages.fetch.mjcf.compiled.geoms import GEOMS, is_extra, shows, touches
-from linkwright.stages.fetch.mjcf.compiled.keyframes import left_of_keyframes
+from linkwright.stages.fetch.mjcf.compiled.geoms import GEOMS, can_collide, is_extra, is_visual_only
+from linkwright.stages.fetch.mjcf.compiled.keyframes import keyframe_omissions
 from linkwright.stages.fetch.mjcf.compiled.textures import Textures
 from linkwright.stages.fetch.mjcf.compiled.unsupported_fields import (
     Omission,
-    of_elements,
-    of_the_file,
-    of_the_viewer,
+    element_omissions,
+    file_omissions,
+    viewer_omissions,
 )
 from linkwright.stages.mujoco.bodies import CONVERTED_GEOM_TYPES
 from linkwright.stages.mujoco.names import name_of, names_of
@@ -24,7 +24,7 @@ _MAX_NAMES = 5
 """Largest number of names of each kind that are reported."""
 
 
-def left_out(
+def omission_reports(
     model: Any,
     spec: Any,
     kept: Collection[int],
@@ -41,11 +41,11 @@ def left_out(
     """
     omissions = [
         *_geoms(model, kept),
-        *of_elements(model, textures.materials),
-        *_elements(model, lost, textures.carried),
-        *left_of_keyframes(model, driven),
-        *of_the_viewer(model),
-        *of_the_file(spec),
+        *element_omissions(model, textures.materials),
+        *_elements(model, lost, textures.carried_numbers),
+        *keyframe_omissions(model, driven),
+        *viewer_omissions(model),
+        *file_omissions(spec),
     ]
     affects_motion = [_text(omission) for omission in omissions if omission.affects_motion]
     if affects_motion:
@@ -57,17 +57,17 @@ def left_out(
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
-def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
+def scene_reports(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
     """Reports I-MJCF-SCENE for the bodies that are not part of the robot, and the geoms fixed to the
     world."""
-    tops = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
-    fixed = int((model.geom_bodyid == 0).sum())
+    bodies = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
+    world_geom_count = int((model.geom_bodyid == 0).sum())
     words = (
-        [f"{count(len(tops), 'body', 'bodies')} ({name_list(model.body(body).name for body in tops)})"]
-        if tops
+        [f"{count(len(bodies), 'body', 'bodies')} ({name_list(model.body(body).name for body in bodies)})"]
+        if bodies
         else []
     )
-    words += [count(fixed, "geom of the world", "geoms of the world")] if fixed else []
+    words += [count(world_geom_count, "geom of the world", "geoms of the world")] if world_geom_count else []
     if words:
         text = f"not part of the robot, so in the scene: {', '.join(words)}"
         hint = "scene.surroundings=drop leaves them out; the robot is the mechanism that has actuators"
@@ -83,7 +83,7 @@ def _text(omission: Omission) -> str:
     return f"{len(omission.names)} × {omission.words}" + (f" ({', '.join(names)}{ellipsis})" if names else "")
 
 
-def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
+def _omission_of(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
     """Yields an omission of the elements with these names, if there are any."""
     all_names = tuple(names)
     if all_names:
@@ -98,21 +98,27 @@ def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
     ]
     scene_geoms = [geom for geom in all_geoms if geom not in robot_geoms]
 
-    def named(geoms: Iterable[int]) -> Iterator[str]:
+    def names_of_geoms(geoms: Iterable[int]) -> Iterator[str]:
         return (model.geom(geom).name for geom in geoms)
 
     def kind(geom: int) -> int:
         return int(model.geom_type[geom])
 
-    strange = [geom for geom in robot_geoms if kind(geom) not in GEOMS and not is_extra(model, geom)]
-    strange += [geom for geom in scene_geoms if kind(geom) not in CONVERTED_GEOM_TYPES]
-    yield from _some("geom type (field, sdf, ...)", True, named(strange))
+    unknown_geoms = [geom for geom in robot_geoms if kind(geom) not in GEOMS and not is_extra(model, geom)]
+    unknown_geoms += [geom for geom in scene_geoms if kind(geom) not in CONVERTED_GEOM_TYPES]
+    yield from _omission_of("geom type (field, sdf, ...)", True, names_of_geoms(unknown_geoms))
     meshes = [
-        geom for geom in robot_geoms if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not touches(model, geom)
+        geom
+        for geom in robot_geoms
+        if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not can_collide(model, geom)
     ]
-    unseen = [geom for geom in meshes if not shows(model, geom)]
-    yield from _some("mesh that is neither visible nor collides", False, named(unseen))
-    yield from _some("name of a mesh that is only visible", False, (name for name in named(meshes) if name))
+    useless_meshes = [geom for geom in meshes if not is_visual_only(model, geom)]
+    yield from _omission_of(
+        "mesh that is neither visible nor collides", False, names_of_geoms(useless_meshes)
+    )
+    yield from _omission_of(
+        "name of a mesh that is only visible", False, (name for name in names_of_geoms(meshes) if name)
+    )
 
 
 _KINDS = {
@@ -125,7 +131,7 @@ _KINDS = {
 }
 """Elements that may be lost: tag → MuJoCo's name, and whether a loss changes motions."""
 
-_WHOLE = {
+_NEVER_CARRIED_OVER = {
     "flex": ("mjOBJ_FLEX", "nflex", True),
     "skin": ("mjOBJ_SKIN", "nskin", False),
     "custom numeric": ("mjOBJ_NUMERIC", "nnumeric", False),
@@ -139,14 +145,18 @@ changes motions."""
 
 def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collection[int]) -> Iterator[Omission]:
     """Yields the elements of each kind that are not carried over."""
-    for tag, (kind, moves) in _KINDS.items():
+    for tag, (kind, affects_motion) in _KINDS.items():
         numbers = sorted(number for word, number in lost if word == tag)
         names = (name_of(model, getattr(mujoco.mjtObj, kind), number) for number in numbers)
-        yield from _some(tag, moves, names)
-    for words, (kind, field, moves) in _WHOLE.items():
-        yield from _some(words, moves, names_of(model, getattr(mujoco.mjtObj, kind), getattr(model, field)))
+        yield from _omission_of(tag, affects_motion, names)
+    for words, (kind, field, affects_motion) in _NEVER_CARRIED_OVER.items():
+        yield from _omission_of(
+            words, affects_motion, names_of(model, getattr(mujoco.mjtObj, kind), getattr(model, field))
+        )
     images = enumerate(names_of(model, mujoco.mjtObj.mjOBJ_TEXTURE, model.ntex))
-    yield from _some("texture", False, (name for number, name in images if number not in textures))
+    yield from _omission_of("texture", False, (name for number, name in images if number not in textures))
     policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
     trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
-    yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
+    yield from _omission_of(
+        "body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees)
+    )

@@ -58,9 +58,10 @@ _STRUCTURE: Mapping[str, Collection[str]] = {
 """Arrays, besides those of `stages.mujoco.fields`, that are carried over, that follow from other arrays, or
 that `unsupported` reports."""
 
-_PLACES = ("id", "adr", "num", "invweight0")
-_NO_PLACES = ("fluid", "texid", "matid", "dataid")
-"""Endings of the names of fields that are only indices or derived values (_PLACES), and the exceptions."""
+_INDEX_ENDINGS = ("id", "adr", "num", "invweight0")
+_NOT_INDICES = ("fluid", "texid", "matid", "dataid")
+"""Endings of the names of fields that are only indices or derived values, and the fields with such endings
+that are not."""
 
 _WORDS: Mapping[str, str] = {
     "mat_texid": "material texture",
@@ -73,11 +74,11 @@ _WORDS: Mapping[str, str] = {
 
 _ELEMENTS = {"jnt": "joint", "dof": "joint", "eq": "equality", "mat": "material", "cam": "camera"}
 
-_LIGHT = ("sensor_", "site_", "mat_", "cam_", "light_", "tendon_matid")
+_HARMLESS_PREFIXES = ("sensor_", "site_", "mat_", "cam_", "light_", "tendon_matid")
 """Prefixes of arrays that do not change how the robot itself moves."""
 
 
-def of_elements(model: Any, textured: Collection[int]) -> Iterator[Omission]:
+def element_omissions(model: Any, textured: Collection[int]) -> Iterator[Omission]:
     """Yields the omissions of the elements of a model; the materials that are `textured` keep their
     textures."""
     omissions: dict[str, Omission] = {}
@@ -85,15 +86,15 @@ def of_elements(model: Any, textured: Collection[int]) -> Iterator[Omission]:
         numbers = range(1 if kind == "body" else 0, len(getattr(model, array)))
         for field in _fields(kind):
             array_name = f"{kind}_{field}"
-            concerned = [n for n in numbers if array_name != "mat_texid" or n not in textured]
-            names = [names_of(model, n) for n in _differing(model, array_name, concerned)]
+            checked_numbers = [n for n in numbers if array_name != "mat_texid" or n not in textured]
+            names = [names_of(model, n) for n in _differing(model, array_name, checked_numbers)]
             if names:
                 words = _WORDS.get(array_name, f"{_ELEMENTS.get(kind, kind)} {field}")
                 earlier_names = omissions[words].names if words in omissions else ()
                 every_name = earlier_names + tuple(
                     name for name in names if not name or name not in earlier_names
                 )
-                omissions[words] = Omission(words, not array_name.startswith(_LIGHT), every_name)
+                omissions[words] = Omission(words, not array_name.startswith(_HARMLESS_PREFIXES), every_name)
     yield from omissions.values()
 
 
@@ -106,7 +107,7 @@ def _fields(kind: str) -> tuple[str, ...]:
         for name in names
         if name not in _STRUCTURE[kind]
         and f"{kind}_{name}" not in ARRAYS
-        and (name in _NO_PLACES or not name.endswith(_PLACES))
+        and (name in _NOT_INDICES or not name.endswith(_INDEX_ENDINGS))
     )
 
 
@@ -115,40 +116,40 @@ def _differing(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
     if not numbers:
         return []
     values = getattr(model, field)[list(numbers)].reshape(len(numbers), -1)
-    usual = np.ravel(getattr(bare(), field)[-1])
-    if values.shape[1] != usual.size:  # the length of `user` differs between models
-        usual = np.zeros(1)
-    differs = ~np.isclose(values, usual, rtol=1e-6, atol=1e-12).all(axis=1)
+    default = np.ravel(getattr(bare(), field)[-1])
+    if values.shape[1] != default.size:  # the length of `user` differs between models
+        default = np.zeros(1)
+    differs = ~np.isclose(values, default, rtol=1e-6, atol=1e-12).all(axis=1)
     return [number for number, is_set in zip(numbers, differs, strict=True) if is_set]
 
 
-def _named(kind: Any) -> Callable[[Any, int], str]:
+def _name_finder(kind: Any) -> Callable[[Any, int], str]:
     return lambda model, number: name_of(model, kind, number)
 
 
-def _of_dof(model: Any, dof: int) -> str:
+def _name_of_dof(model: Any, dof: int) -> str:
     return name_of(model, mujoco.mjtObj.mjOBJ_JOINT, int(model.dof_jntid[dof]))
 
 
 _KINDS: Mapping[str, tuple[str, Callable[[Any, int], str]]] = {
-    "jnt": ("jnt_type", _named(mujoco.mjtObj.mjOBJ_JOINT)),
-    "dof": ("dof_jntid", _of_dof),
-    "body": ("body_parentid", _named(mujoco.mjtObj.mjOBJ_BODY)),
-    "geom": ("geom_type", _named(mujoco.mjtObj.mjOBJ_GEOM)),
-    "site": ("site_type", _named(mujoco.mjtObj.mjOBJ_SITE)),
-    "cam": ("cam_mode", _named(mujoco.mjtObj.mjOBJ_CAMERA)),
-    "light": ("light_mode", _named(mujoco.mjtObj.mjOBJ_LIGHT)),
-    "eq": ("eq_type", _named(mujoco.mjtObj.mjOBJ_EQUALITY)),
-    "mat": ("mat_rgba", _named(mujoco.mjtObj.mjOBJ_MATERIAL)),
-    "tendon": ("tendon_adr", _named(mujoco.mjtObj.mjOBJ_TENDON)),
-    "pair": ("pair_dim", _named(mujoco.mjtObj.mjOBJ_PAIR)),
-    "actuator": ("actuator_trntype", _named(mujoco.mjtObj.mjOBJ_ACTUATOR)),
-    "sensor": ("sensor_type", _named(mujoco.mjtObj.mjOBJ_SENSOR)),
+    "jnt": ("jnt_type", _name_finder(mujoco.mjtObj.mjOBJ_JOINT)),
+    "dof": ("dof_jntid", _name_of_dof),
+    "body": ("body_parentid", _name_finder(mujoco.mjtObj.mjOBJ_BODY)),
+    "geom": ("geom_type", _name_finder(mujoco.mjtObj.mjOBJ_GEOM)),
+    "site": ("site_type", _name_finder(mujoco.mjtObj.mjOBJ_SITE)),
+    "cam": ("cam_mode", _name_finder(mujoco.mjtObj.mjOBJ_CAMERA)),
+    "light": ("light_mode", _name_finder(mujoco.mjtObj.mjOBJ_LIGHT)),
+    "eq": ("eq_type", _name_finder(mujoco.mjtObj.mjOBJ_EQUALITY)),
+    "mat": ("mat_rgba", _name_finder(mujoco.mjtObj.mjOBJ_MATERIAL)),
+    "tendon": ("tendon_adr", _name_finder(mujoco.mjtObj.mjOBJ_TENDON)),
+    "pair": ("pair_dim", _name_finder(mujoco.mjtObj.mjOBJ_PAIR)),
+    "actuator": ("actuator_trntype", _name_finder(mujoco.mjtObj.mjOBJ_ACTUATOR)),
+    "sensor": ("sensor_type", _name_finder(mujoco.mjtObj.mjOBJ_SENSOR)),
 }
 """Prefix of arrays → an array, and a function that returns the names of the elements."""
 
 
-def of_the_viewer(model: Any) -> Iterator[Omission]:
+def viewer_omissions(model: Any) -> Iterator[Omission]:
     """Yields the parts of <visual> that are set, and their attributes."""
     for part in _members(model.vis):
         visual, default = getattr(model.vis, part), getattr(bare().vis, part)
@@ -161,7 +162,7 @@ _SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
 """Prefixes of the attributes of <size>."""
 
 
-def of_the_file(spec: Any) -> Iterator[Omission]:
+def file_omissions(spec: Any) -> Iterator[Omission]:
     """Yields the settings of <size> and <statistic>; the compiled model does not separate these from derived
     values."""
     empty_spec = mujoco.MjSpec()
@@ -169,10 +170,10 @@ def of_the_file(spec: Any) -> Iterator[Omission]:
         if getattr(spec, name) != getattr(empty_spec, name):
             yield Omission(f'size {name}="{getattr(spec, name)}"', False)
     for name in _members(spec.stat):
-        value, usual = (
+        value, default = (
             np.atleast_1d(getattr(struct.stat, name)).astype(float) for struct in (spec, empty_spec)
         )
-        if not np.array_equal(value, usual, equal_nan=True):
+        if not np.array_equal(value, default, equal_nan=True):
             yield Omission(f'statistic {name}="{_text(value)}"', False)
 
 

@@ -15,8 +15,8 @@ class ApiCall:
     request: str
     accept: str
     content: bytes | None = None
-    restoring: bool = False
-    """Whether it undoes a change, so that it is made even after all other calls were stopped."""
+    restores: bool = False
+    """Whether the call undoes a change, so that it is made even after all other calls were stopped."""
 
     @property
     def subject(self) -> str:

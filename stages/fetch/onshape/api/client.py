@@ -1,7 +1,7 @@
 """Calls the Onshape API over HTTP: authenticates, counts and retries calls, a few at a time.
 
 It decides how to treat each failure. A temporary failure (5xx, a reply cut short or late) is
-retried; a rate limit (429) is waited for; a used-up quota (402) stops all calls at once;
+retried; after a rate limit (429) it waits; a used-up quota (402) stops all calls at once;
 every other refusal raises an error.
 """
 
@@ -28,15 +28,15 @@ from linkwright.stages.fetch.onshape.api.http_errors import (
     wrongly_packed,
 )
 from linkwright.stages.fetch.onshape.api.ledger import Ledger, billed, endpoint
-from linkwright.stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
-from linkwright.stages.fetch.onshape.api.received import Received
-from linkwright.stages.fetch.onshape.api.retries import Passing, Patience
+from linkwright.stages.fetch.onshape.api.rate_limits import RateLimits, remaining_calls, retry_after
+from linkwright.stages.fetch.onshape.api.received import DownloadProgress
+from linkwright.stages.fetch.onshape.api.retries import Patience, TemporaryFailure
 from linkwright.stages.fetch.onshape.api.transport import (
     AT_ONCE,
     HttpReply,
-    Lost,
-    Packed,
+    NoReply,
     ReplyTooLarge,
+    UnexpectedEncoding,
     Wire,
 )
 from linkwright.stages.fetch.onshape.call_budget import Budget, CallSlot
@@ -47,7 +47,7 @@ from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhauste
 __all__ = ["AT_ONCE", "JSON", "Client"]
 
 _PAGE = b"<"
-_MET = {"X-Api-Version": "api", "On-Version": "release"}
+_FACT_HEADERS = {"X-Api-Version": "api", "On-Version": "release"}
 _PATIENCE = Patience()
 
 
@@ -70,7 +70,7 @@ class Client:
         transient: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.host = urlsplit(url.origin).netloc
-        self.met: dict[str, str] = {}
+        self.server_facts: dict[str, str] = {}
         """The server's report about itself: `api`, the version that it serves, `definition_api`, that of
         definitions, and its `release`."""
         self._origin = url.origin
@@ -83,8 +83,8 @@ class Client:
         self._lock = threading.Lock()
         self._budget = budget or Budget(None)
         self._halt = Halt()
-        self._windows = Windows(patience.max_wait, self._halt.stopped)
-        self._wire = Wire(patience, loopback=url.loopback, arrived=Received(transient).add)
+        self._windows = RateLimits(patience.max_wait, self._halt.stopped)
+        self._wire = Wire(patience, loopback=url.loopback, arrived=DownloadProgress(transient).add)
 
     def __enter__(self) -> "Client":
         return self
@@ -102,7 +102,7 @@ class Client:
     @property
     def left(self) -> Mapping[str, int]:
         """The calls left in the server's windows, by endpoint, if it reports them."""
-        return dict(self._windows.left)
+        return dict(self._windows.calls_left)
 
     @property
     def waited(self) -> float:
@@ -129,7 +129,7 @@ class Client:
                 self._check(answer.body, check)
             return answer.body
 
-        return self._persist(once)
+        return self._retried_call(once)
 
     def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
         """Returns the body of the reply to a POST of JSON. Raises the errors of `get`.
@@ -145,20 +145,20 @@ class Client:
                 raise self._refusal(answer, request, final=not restoring)
             return answer.body
 
-        return self._persist(once, restoring=restoring)
+        return self._retried_call(once, restoring=restoring)
 
     def stop(self) -> None:
         """Prevents further calls, and ends running calls and waits: they raise Offline."""
         self._halt.stop(Offline("the calls were stopped", self.host, "run the same command again"))
         self._wire.disconnect()
 
-    def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
+    def _retried_call(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
         """Returns the result of `once`, retried after temporary failures unless the calls were stopped."""
 
         def unless_stopped() -> bytes:
             try:
                 return once()
-            except Passing:
+            except TemporaryFailure:
                 if not restoring:
                     self._halt.check()
                 raise
@@ -169,11 +169,11 @@ class Client:
         """Returns the reply with any status, after waiting for the server's rate limit."""
         kind, seconds = endpoint(call.request), self._patience.first_wait
         for _ in range(self._patience.refusals):
-            self._windows.wait(kind, stoppable=not call.restoring)
-            answer = self._whole(call)
+            self._windows.wait(kind, stoppable=not call.restores)
+            answer = self._complete_reply(call)
             if answer.status != 429:
                 return answer
-            if not call.restoring:
+            if not call.restores:
                 self._halt.check()
             # Never less than our own pause: a server that says 0 must not be asked in a rush.
             requested = retry_after(answer.headers)
@@ -193,30 +193,31 @@ class Client:
         self._halt.stop(error)
         raise error
 
-    def _whole(self, call: ApiCall) -> HttpReply:
-        """Returns a complete reply, or raises the error for a missing or incomplete reply."""
+    def _complete_reply(self, call: ApiCall) -> HttpReply:
+        """Returns a complete reply; raises the error for a missing or incomplete reply."""
         try:
             return self._follow(call)
-        except Lost as lost:
-            raise self._retried(lost, call) from lost
+        except NoReply as lost:
+            raise self._reply_error(lost, call) from lost
         except ReplyTooLarge as error:
             raise too_large(call.request, self.host) from error
-        except Packed as error:
+        except UnexpectedEncoding as error:
             raise wrongly_packed(call.subject, self.host, str(error)) from error
         except OSError as error:
             msg = f"the reply with {call.subject} cannot be written: {error.strerror or error}"
             hint = "make room there, or name another folder in the environment variable TMPDIR"
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
-    def _retried(self, lost: Lost, call: ApiCall) -> Exception:
-        """Returns the error for a missing or incomplete reply: `Passing` if the call may be repeated."""
+    def _reply_error(self, lost: NoReply, call: ApiCall) -> Exception:
+        """Returns the error for a missing or incomplete reply: `TemporaryFailure` if the call may be
+        repeated."""
         error = no_reply(lost, call.subject, self.host)
-        if lost.trouble is not None and lost.trouble.lasting and not lost.late:
+        if lost.trouble is not None and lost.trouble.is_lasting and not lost.late:
             return error
-        if call.method != "GET" and lost.begun and not call.restoring:
+        if call.method != "GET" and lost.begun and not call.restores:
             hint = "the server may have made the change: check the document in the browser"
             return type(error)(error.message, error.where, hint)
-        return Passing(error, "billed" if billed(lost.status) else "free", self._say)
+        return TemporaryFailure(error, "billed" if billed(lost.status) else "free", self._say)
 
     def _follow(self, call: ApiCall) -> HttpReply:
         """Returns the reply after all redirects. Each redirect is authenticated, and billed."""
@@ -225,10 +226,10 @@ class Client:
             origin = self._origins.get(document, self._origin)
         first = address = f"{origin}/api/{api(call.request)}{call.request}"
         for _ in range(1 + redirects.MAX_REDIRECTS):
-            if not call.restoring:
+            if not call.restores:
                 self._halt.check()
             # Calls that restore values are made whatever the budget.
-            with self._budget.slot(needed=call.restoring) as slot:
+            with self._budget.slot(needed=call.restores) as slot:
                 answer = self._wire.send(
                     call.method,
                     address,
@@ -237,10 +238,10 @@ class Client:
                     functools.partial(self._note, call.request, slot),
                     reply_sizes.largest(call.request),
                 )
-            if not redirects.followed(call.method, answer.status):
+            if not redirects.must_follow(call.method, answer.status):
                 return answer
             address = redirects.target(address, answer.headers.get("Location", ""), call.subject)
-            region = redirects.moved(first, address)
+            region = redirects.moved_origin(first, address)
             if region is not None:
                 # The other calls for this document go there directly: each stop costs a call.
                 with self._lock:
@@ -253,10 +254,11 @@ class Client:
             check(body)
         except ProtocolError as error:
             located = ProtocolError(error.message, self.host, error.hint)
-            raise Passing(located, "billed", self._say) from error
+            raise TemporaryFailure(located, "billed", self._say) from error
 
     def _refusal(self, answer: HttpReply, request: str, *, final: bool = False) -> Exception:
-        """Returns the error for a refusal: `Passing` for a temporary refusal, unless it is `final`."""
+        """Returns the error for a refusal: `TemporaryFailure` for a temporary refusal, unless it is
+        `final`."""
         text = self._reply_text(answer)
         error = refusal(answer.status, answer.headers, text, request, self.host, self._credentials.kind)
         if isinstance(error, QuotaExhausted):
@@ -266,7 +268,7 @@ class Client:
         requested = retry_after(answer.headers)
         if requested and not self._windows.close(endpoint(request), requested):
             return error
-        return Passing(error, "free", self._say)
+        return TemporaryFailure(error, "free", self._say)
 
     def _reply_text(self, answer: HttpReply) -> str:
         """Returns the body without secrets, including those written with JSON escapes."""
@@ -279,13 +281,13 @@ class Client:
         slot.charge(billed(status))
         kind = endpoint(request)
         prefix = "definition_" if is_definition(request) else ""
-        calls_left = left(headers)
+        calls_left = remaining_calls(headers)
         self._windows.note(kind, calls_left)
         with self._lock:
-            for header, name in _MET.items():
+            for header, name in _FACT_HEADERS.items():
                 if headers.get(header):
                     name = prefix + name if name == "api" else name
-                    self.met[name] = self._credentials.scrub(headers[header])[:40]
+                    self.server_facts[name] = self._credentials.scrub(headers[header])[:40]
         if self._ledger is not None and (why := self._ledger.note(kind, status, calls_left)):
             if not self._uncounted:
                 self._say(f"API calls are not counted: {why}")

@@ -9,11 +9,14 @@ from dataclasses import dataclass
 
 from linkwright.stages.fetch.onshape.api.network_settings import CERTIFICATES, proxy_variable
 
-_NETWORK = (
+_NETWORK_HINT = (
     "check the network and the host in source.url, or build offline: source.offline=true, source=bundle, "
     "source=sample"
 )
-_NAMES = {socket.EAI_NONAME: "its name is not known (DNS)", socket.EAI_AGAIN: "no name server answers (DNS)"}
+_DNS_ERRORS = {
+    socket.EAI_NONAME: "its name is not known (DNS)",
+    socket.EAI_AGAIN: "no name server answers (DNS)",
+}
 _UNREACHABLE = {
     errno.ECONNREFUSED: "nothing listens there (connection refused)",
     errno.ENETUNREACH: "the network is unreachable",
@@ -21,7 +24,7 @@ _UNREACHABLE = {
     errno.ECONNRESET: "it closed the connection",
     errno.ETIMEDOUT: "it does not answer",
 }
-_SELF_SIGNED, _IN_CHAIN, _NO_ISSUER, _NO_FIRST = 18, 19, 20, 21
+_SELF_SIGNED, _IN_CHAIN, _NO_ISSUER, _UNVERIFIED_LEAF = 18, 19, 20, 21
 """OpenSSL's numbers of errors about the issuer of a certificate."""
 
 _EARLY, _EXPIRED = 9, 10
@@ -34,7 +37,7 @@ _CERTIFICATES = {
     _SELF_SIGNED: "its certificate is self-signed",
     _IN_CHAIN: "its certificate chain ends in a self-signed certificate",
     _NO_ISSUER: "its certificate is not signed by a trusted authority",
-    _NO_FIRST: "its certificate is not signed by a trusted authority",
+    _UNVERIFIED_LEAF: "its certificate is not signed by a trusted authority",
     _EARLY: "its certificate is not valid yet",
     _EXPIRED: "its certificate has expired",
     _OTHER_HOST: "its certificate is for another host",
@@ -43,19 +46,19 @@ _CERTIFICATES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class ConnectionFault:
     """The reason why a request did not reach its server."""
 
     message: str
     hint: str
-    lasting: bool = False
+    is_lasting: bool = False
     """Whether another attempt will fail too."""
 
 
-def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Trouble:
+def connection_fault(error: BaseException, host: str, endpoint: tuple[str, int] | None) -> ConnectionFault:
     """Explains the cause of `error` with a message and a hint about the connection to `host`.
 
-    `met`: the host and port of the connection; if the host differs from `host`, it is a proxy.
+    `endpoint`: the host and port of the connection; if the host differs from `host`, it is a proxy.
     """
     causes = list(_causes(error))
     for cause in causes:
@@ -63,30 +66,32 @@ def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Tro
             return _untrusted(cause, host)
         if isinstance(cause, ssl.SSLError):
             reason = (cause.reason or "no TLS").replace("_", " ").lower()
-            return Trouble(f"no secure connection to {host}: TLS failed ({reason})", _NETWORK)
-    subject, hint = host, _NETWORK
-    if met is not None and met[0] != host:
+            return ConnectionFault(f"no secure connection to {host}: TLS failed ({reason})", _NETWORK_HINT)
+    subject, hint = host, _NETWORK_HINT
+    if endpoint is not None and endpoint[0] != host:
         variable = proxy_variable(os.environ)
-        subject = f"the proxy {met[0]}:{met[1]} ({variable})"
+        subject = f"the proxy {endpoint[0]}:{endpoint[1]} ({variable})"
         hint = f"correct or unset {variable}; NO_PROXY={host} bypasses the proxy"
     why = next((words for cause in causes if (words := _why(cause))), type(error).__name__)
-    return Trouble(f"{subject} cannot be reached: {why}", hint)
+    return ConnectionFault(f"{subject} cannot be reached: {why}", hint)
 
 
-def refused_by_proxy(status_line: str, host: str, met: tuple[str, int] | None) -> Trouble:
+def refused_by_proxy(status_line: str, host: str, endpoint: tuple[str, int] | None) -> ConnectionFault:
     """Returns the trouble with a proxy that refuses; `status_line`: "407 Proxy Authentication Required"."""
     variable = proxy_variable(os.environ)
-    subject = f"the proxy {met[0]}:{met[1]} ({variable})" if met else f"the proxy ({variable})"
+    subject = f"the proxy {endpoint[0]}:{endpoint[1]} ({variable})" if endpoint else f"the proxy ({variable})"
     status = status_line.partition(" ")[0]
     if status == "407":
         hint = f"write user and password into {variable}: http://USER:PASSWORD@HOST:PORT"
-        return Trouble(f"{subject} requires a login (407)", hint, lasting=True)
+        return ConnectionFault(f"{subject} requires a login (407)", hint, is_lasting=True)
     code = f" ({status})" if status.isdigit() else ""
     hint = f"ask its administrator to allow {host}; NO_PROXY={host} bypasses the proxy"
-    return Trouble(f"{subject} refuses to connect to {host}{code}", hint, lasting=not status.startswith("5"))
+    return ConnectionFault(
+        f"{subject} refuses to connect to {host}{code}", hint, is_lasting=not status.startswith("5")
+    )
 
 
-def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> Trouble:
+def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> ConnectionFault:
     code = error.verify_code
     why = _CERTIFICATES.get(code) or f"its certificate is not accepted ({error.verify_message})"
     if code in (_EARLY, _EXPIRED):
@@ -98,12 +103,12 @@ def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> Trouble:
             f"if your network inspects TLS traffic, name its certificate: {CERTIFICATES}=FILE.pem;  "
             "otherwise another server may be answering (your key was not sent)"
         )
-    return Trouble(f"no secure connection to {host}: {why}", hint, lasting=True)
+    return ConnectionFault(f"no secure connection to {host}: {why}", hint, is_lasting=True)
 
 
 def _why(cause: BaseException) -> str:
     if isinstance(cause, socket.gaierror):
-        return _NAMES.get(cause.errno or 0) or f"its name is not found (DNS: {cause.strerror})"
+        return _DNS_ERRORS.get(cause.errno or 0) or f"its name is not found (DNS: {cause.strerror})"
     if isinstance(cause, UnicodeError):
         return "its name is not valid"
     if isinstance(cause, OSError) and cause.errno:

@@ -26,7 +26,7 @@ OLD_TOKEN = "ONSHAPE_SECRET_BEARER"
 AUTH = "ONSHAPE_AUTH"
 
 PRIVATE = (ACCESS, SECRET, TOKEN, OLD_TOKEN)
-"""The variables whose values nobody else may see."""
+"""Variables whose values are secret."""
 
 DOTENV = ".env"
 _MAX_DOTENV = 1 << 20
@@ -47,10 +47,10 @@ class Credentials:
     token: str = field(default="", repr=False)
 
     @property
-    def who(self) -> str:
-        """A name for the owner of the calls, which does not reveal the key.
+    def owner_id(self) -> str:
+        """An identifier of the owner of the calls, which does not reveal the key.
 
-        All bearer tokens share a name, since each is valid for only an hour.
+        All bearer tokens share an identifier, since each is valid for only an hour.
         """
         return "bearer" if self.kind == "bearer" else sha256(self.access.encode()).hexdigest()[:16]
 
@@ -64,8 +64,8 @@ class Credentials:
 
     def scrub(self, text: str) -> str:
         """Returns `text` (such as a server's reply) with the key removed."""
-        for private in self.private:
-            text = text.replace(private, "***")
+        for secret in self.private:
+            text = text.replace(secret, "***")
         return text
 
 
@@ -86,12 +86,12 @@ def forms(text: str) -> frozenset[str]:
 def known_secrets(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, str]:
     """Returns every form of every key in `environ` and in `.env`, used by a build or not: the text → its
     variable."""
-    inside: Mapping[str, str] = {}
+    file_values: Mapping[str, str] = {}
     with contextlib.suppress(ConfigError, OSError):
-        inside = _dotenv((folder or Path.cwd()) / DOTENV)
+        file_values = _dotenv((folder or Path.cwd()) / DOTENV)
     values: dict[str, set[str]] = {}
     for name in PRIVATE:
-        texts = (variables.get(name, "").strip() for variables in (environ, inside))
+        texts = (variables.get(name, "").strip() for variables in (environ, file_values))
         values[name] = {text for text in texts if text}
     owners: dict[str, str] = {}
     for access, secret in itertools.product(sorted(values[ACCESS]), sorted(values[SECRET])):
@@ -109,12 +109,14 @@ def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
         return ()
     try:
         mode = stat.S_IMODE(path.stat().st_mode)
-        open_to = [who for who, bits in (("its group", 0o070), ("everybody", 0o007)) if mode & bits]
-        if not open_to or not any(name in PRIVATE for name in _dotenv(path)):
+        reader_names = [
+            owner_id for owner_id, bits in (("its group", 0o070), ("everybody", 0o007)) if mode & bits
+        ]
+        if not reader_names or not any(name in PRIVATE for name in _dotenv(path)):
             return ()
     except (OSError, ConfigError):
         return ()
-    msg = f"the API key in it is open to {' and '.join(open_to)} on this computer (mode {mode:04o})"
+    msg = f"the API key in it is open to {' and '.join(reader_names)} on this computer (mode {mode:04o})"
     return (Diagnostic("I-DOTENV", msg, DOTENV, f"chmod 600 {DOTENV}"),)
 
 
@@ -125,13 +127,13 @@ def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
     is missing.
     """
     names = (ACCESS, SECRET, TOKEN, OLD_TOKEN, AUTH)
-    outside = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
-    inside = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / DOTENV).items()}
-    values = inside | outside
+    environ_values = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
+    file_values = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / DOTENV).items()}
+    values = file_values | environ_values
     kind = _kind(values.get(AUTH, "basic").lower())
     # A whole key in the environment goes before a token in the file.
-    whole_key = ACCESS in outside and SECRET in outside
-    tokens = outside if whole_key else values
+    whole_key = ACCESS in environ_values and SECRET in environ_values
+    tokens = environ_values if whole_key else values
     token = tokens.get(TOKEN) or tokens.get(OLD_TOKEN)
     if token:
         _require_plain(token, f"{TOKEN} or {OLD_TOKEN}")

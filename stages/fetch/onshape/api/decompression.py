@@ -20,7 +20,7 @@ class DamagedError(Exception):
     """The error that a body is not valid gzip, or is incomplete."""
 
 
-def unpacked(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
+def decompressed(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
     """Yields the decompressed body of compressed `pieces`, in pieces of at most 256 kB.
 
     `encoding`: the header Content-Encoding. Raises UnknownEncodingError at once for an unexpected encoding;
@@ -36,18 +36,18 @@ def unpacked(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
 
 def _inflated(pieces: Iterable[bytes]) -> Iterator[bytes]:
     """Inflates a gzip stream: one member or several, one after the other."""
-    inflate, begun = zlib.decompressobj(_GZIP), False
+    inflate, has_begun = zlib.decompressobj(_GZIP), False
     try:
         for piece in pieces:
-            waiting = piece
-            while waiting:
+            remaining = piece
+            while remaining:
                 if inflate.eof:
                     inflate = zlib.decompressobj(_GZIP)
-                begun = True
-                yield inflate.decompress(waiting, _MAX_PIECE)
-                waiting = inflate.unused_data if inflate.eof else inflate.unconsumed_tail
+                has_begun = True
+                yield inflate.decompress(remaining, _MAX_PIECE)
+                remaining = inflate.unused_data if inflate.eof else inflate.unconsumed_tail
     except zlib.error as error:
         raise DamagedError(str(error)) from None
-    if begun and not inflate.eof:
+    if has_begun and not inflate.eof:
         msg = "the compressed body is cut short"
         raise DamagedError(msg)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from linkwright.stages.fetch.onshape import reply_sizes
-from linkwright.stages.fetch.onshape.api.connection_errors import Trouble
+from linkwright.stages.fetch.onshape.api.connection_errors import ConnectionFault
 from linkwright.stages.fetch.onshape.api.rate_limits import date
 from linkwright.stages.fetch.onshape.requests import (
     configuration_asked,
@@ -26,13 +26,13 @@ from linkwright.stages.robot.errors import (
 )
 
 if TYPE_CHECKING:
-    from linkwright.stages.fetch.onshape.api.transport import Lost
+    from linkwright.stages.fetch.onshape.api.transport import NoReply
 
-AGAIN = "run the same command again; what was fetched is kept and not paid for twice"
+AGAIN_HINT = "run the same command again; what was fetched is kept and not paid for twice"
 
 _NOT_ASSEMBLY = "it may not be an assembly (a part studio or a drawing?)"
-_TAB_AGAIN = "open the tab of the assembly in the browser, and copy its address"
-_SKEW = 240.0
+_TAB_HINT = "open the tab of the assembly in the browser, and copy its address"
+_MAX_SKEW = 240.0
 """Largest clock error [s]: Onshape accepts signatures within 5 minutes of its time; this is a little less."""
 
 
@@ -64,24 +64,24 @@ def refusal(
         )
         return QuotaExhausted(msg, host, hint)
     if status == 404:
-        return _absent(subject, quoted, host, request, page=_is_page(text))
+        return _not_found(subject, quoted, host, request, page=_is_page(text))
     if status == 400 and is_definition(request) and configuration_asked(request):
-        return _not_so_configured(configuration_asked(request), quoted, host)
+        return _configuration_refused(configuration_asked(request), quoted, host)
     if status == 400 and is_definition(request):
         tab = subject.removeprefix("the definition of assembly ")
         msg = f"the tab {tab} is no assembly, but perhaps a part studio or a drawing (400){quoted}"
-        return SourceError(msg, host, _TAB_AGAIN)
+        return SourceError(msg, host, _TAB_HINT)
     if status in (405, 406, 415):
         msg = f"the server refuses the form of the request for {subject} ({status}){quoted}"
         return Declined(msg, host, "this is a bug in linkwright, or the API has changed: report it")
     if status == 204:
-        return ProtocolError(f"the server sent an empty reply instead of {subject} (204)", host, AGAIN)
+        return ProtocolError(f"the server sent an empty reply instead of {subject} (204)", host, AGAIN_HINT)
     if 300 <= status < 400:
         msg = f"the server redirects the request for {subject} ({status}); this redirect is not followed"
         return ProtocolError(msg, host, "use the host that the browser shows for this document")
     if status >= 500 or status == 499:
         msg = f"the server failed to give {subject} ({status}){quoted}"
-        hint = f"{AGAIN} in a while; if it fails each time, try a smaller assembly"
+        hint = f"{AGAIN_HINT} in a while; if it fails each time, try a smaller assembly"
         return ProtocolError(msg, host, hint)
     msg = f"the server refuses to give {subject} ({status}){quoted}"
     return Declined(msg, host, "check that the document opens in the browser with the same account")
@@ -108,24 +108,24 @@ def rate_limited(
 
 def cut_short(subject: str, host: str) -> ProtocolError:
     """Returns the error for an incomplete reply."""
-    return ProtocolError(f"the reply with {subject} was cut short", host, AGAIN)
+    return ProtocolError(f"the reply with {subject} was cut short", host, AGAIN_HINT)
 
 
 def offline(subject: str, host: str, why: str, *, late: bool) -> Offline:
     """Returns the error for a server that does not answer, or not in time."""
     if late:
-        return Offline(f"{host} did not answer in time for {subject}", host, AGAIN)
+        return Offline(f"{host} did not answer in time for {subject}", host, AGAIN_HINT)
     msg = f"{host} cannot be reached: {why}"
     hint = "check the network and the host in source.url, or build offline: source=sample, source=bundle"
     return Offline(msg, host, hint)
 
 
-def unreached(trouble: Trouble, host: str) -> Offline:
+def unreached(trouble: ConnectionFault, host: str) -> Offline:
     """Returns the error for a request that did not reach its server."""
     return Offline(trouble.message, host, trouble.hint)
 
 
-def no_reply(lost: "Lost", subject: str, host: str) -> SourceError:
+def no_reply(lost: "NoReply", subject: str, host: str) -> SourceError:
     """Returns the error for a missing or incomplete reply."""
     if lost.trouble is not None and not lost.late:
         return unreached(lost.trouble, host)
@@ -197,7 +197,7 @@ def _denied(status: int, subject: str, quoted: str, host: str, kind: str, skew: 
     return AuthError(msg, host, hint)
 
 
-def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceError:
+def _configuration_refused(configuration: str, quoted: str, host: str) -> SourceError:
     msg = f"the server refuses the configuration {configuration!r} (400){quoted}"
     hint = (
         "choose it in the browser and copy the address again, or give the values by name in "
@@ -207,10 +207,10 @@ def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceErro
     return SourceError(msg, host, hint)
 
 
-def _absent(subject: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
-    maybe = f", or {_NOT_ASSEMBLY}" if is_definition(request) else ""
-    msg = f"the server does not find {subject} (404){quoted}: deleted, not shared with you{maybe}"
-    hint = _open_the_tab() if maybe else "share the linked document with the owner of the API key"
+def _not_found(subject: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
+    alternative = f", or {_NOT_ASSEMBLY}" if is_definition(request) else ""
+    msg = f"the server does not find {subject} (404){quoted}: deleted, not shared with you{alternative}"
+    hint = _open_the_tab() if alternative else "share the linked document with the owner of the API key"
     if page:
         hint += f"; {host} answered with a web page: check that it is the host that the browser shows"
     return NotFound(msg, host, hint)
@@ -225,7 +225,7 @@ def _skew(headers: Mapping[str, str]) -> float:
     date."""
     server_time = date(headers.get("Date", ""))
     skew = 0.0 if server_time is None else time.time() - server_time
-    return skew if abs(skew) > _SKEW else 0.0
+    return skew if abs(skew) > _MAX_SKEW else 0.0
 
 
 def _minutes(seconds: float) -> str:

@@ -14,7 +14,7 @@ from urllib.parse import SplitResult, urlsplit
 from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.system.install import install
 
-CERTIFICATES, FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
+CERTIFICATES, CERTIFICATE_FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
 
 _PROXIES = ("https_proxy", "all_proxy", "http_proxy")
 _EXAMPLE = "http://proxy.example.org:3128"
@@ -46,10 +46,10 @@ def _require_proxy(name: str, value: str) -> None:
     """Raises ConfigError if `value` is not the address of a proxy; without a scheme, http is meant."""
     try:
         parts = urlsplit(value if "://" in value else f"http://{value}")
-        fits = bool(parts.hostname) and parts.port != 0 and value.isprintable() and " " not in value
+        is_address = bool(parts.hostname) and parts.port != 0 and value.isprintable() and " " not in value
     except ValueError:
-        parts, fits = SplitResult("", "", "", "", ""), False
-    if not fits or parts.scheme not in ("http", "https", *_SOCKS):
+        parts, is_address = SplitResult("", "", "", "", ""), False
+    if not is_address or parts.scheme not in ("http", "https", *_SOCKS):
         msg = "it is not the address of a proxy"
         raise ConfigError(msg, name, f"set it to an address such as {_EXAMPLE}, or unset it")
     if parts.scheme in _SOCKS and importlib.util.find_spec("socksio") is None:
@@ -58,7 +58,7 @@ def _require_proxy(name: str, value: str) -> None:
 
 
 def _require_certificates(environ: Mapping[str, str]) -> None:
-    file, folder = environ.get(CERTIFICATES, ""), environ.get(FOLDER, "")
+    file, folder = environ.get(CERTIFICATES, ""), environ.get(CERTIFICATE_FOLDER, "")
     hint = "name a file of PEM certificates, or unset it: those that come with Python packages count then"
     if file:
         why = f"{file} is not a file"
@@ -68,7 +68,7 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
             raise ConfigError(why, CERTIFICATES, hint)
     elif folder and not Path(folder).is_dir():
         hint = "name a folder of certificates (made by openssl rehash), or unset it"
-        raise ConfigError(f"{folder} is not a folder", FOLDER, hint)
+        raise ConfigError(f"{folder} is not a folder", CERTIFICATE_FOLDER, hint)
 
 
 @functools.lru_cache(maxsize=8)

@@ -11,25 +11,25 @@ from email.utils import parsedate_to_datetime
 from threading import Event, Lock
 
 
-class Windows:
+class RateLimits:
     """The rate limits of a server, as its replies report them. `max_wait` [s] limits the total wait."""
 
     def __init__(self, max_wait: float, stopped: Event) -> None:
         self._max_wait = max_wait
         self._stopped = stopped
         self._lock = Lock()
-        self._closed: dict[str, float] = {}
+        self._closed_until: dict[str, float] = {}
         self._until = 0.0
         self.waited = 0.0
         """Total wait so far [s]; concurrent waits count once."""
-        self.left: dict[str, int] = {}
+        self.calls_left: dict[str, int] = {}
         """Calls left by endpoint, where the server reports them (`X-Rate-Limit-Remaining`)."""
 
-    def note(self, endpoint: str, left: int | None) -> None:
+    def note(self, endpoint: str, calls_left: int | None) -> None:
         """Records the calls left that a reply reports."""
-        if left is not None:
+        if calls_left is not None:
             with self._lock:
-                self.left[endpoint] = left
+                self.calls_left[endpoint] = calls_left
 
     def close(self, endpoint: str, seconds: float) -> bool:
         """Delays calls of this kind by `seconds`; returns False if that exceeds the allowed wait."""
@@ -41,7 +41,7 @@ class Windows:
                 return False
             self.waited += extra_wait
             self._until = until
-            self._closed[endpoint] = max(self._closed.get(endpoint, 0.0), now + seconds)
+            self._closed_until[endpoint] = max(self._closed_until.get(endpoint, 0.0), now + seconds)
             return True
 
     def wait(self, endpoint: str, *, stoppable: bool = True) -> None:
@@ -50,13 +50,13 @@ class Windows:
         stopped = self._stopped if stoppable else Event()
         while not stopped.is_set():
             with self._lock:
-                seconds = self._closed.get(endpoint, 0.0) - time.monotonic()
+                seconds = self._closed_until.get(endpoint, 0.0) - time.monotonic()
             if seconds <= 0:
                 return
             stopped.wait(seconds)
 
 
-def left(headers: Mapping[str, str]) -> int | None:
+def remaining_calls(headers: Mapping[str, str]) -> int | None:
     """Returns the calls left for the endpoint that replied, if the server reports them."""
     text = headers.get("X-Rate-Limit-Remaining", "").strip()
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None

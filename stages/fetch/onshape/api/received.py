@@ -11,7 +11,7 @@ _MIN_INTERVAL = 0.2
 """Shortest time between two lines [s]."""
 
 
-class Received:
+class DownloadProgress:
     """A counter of received bytes, in any thread, which passes a line about them to `transient`."""
 
     def __init__(self, transient: Callable[[str], None]) -> None:

@@ -26,7 +26,7 @@ class Patience:
     """Attempts of a call that fails without being billed (5xx, no connection, no answer)."""
 
     billed: int = 2
-    """Attempts of a call whose reply is billed but unusable (cut short, late, invalid)."""
+    """Attempts of a call if its reply is billed but unusable (cut short, late, invalid)."""
 
     refusals: int = 8
     """Attempts of a call that the server's rate limit refuses (429)."""
@@ -50,7 +50,7 @@ class Patience:
     """Time limit for a whole reply: 16 MB at 20 kB/s."""
 
 
-class Passing(Exception):
+class TemporaryFailure(Exception):
     """The error for a failure that may be temporary. `error`: the error to raise if it persists."""
 
     def __init__(self, error: SourceError, kind: Kind, progress: Callable[[str], None]) -> None:
@@ -61,7 +61,7 @@ class Passing(Exception):
 
 
 def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
-    """Returns the result of `once`, retried while it raises `Passing` and `patience` allows.
+    """Returns the result of `once`, retried while it raises `TemporaryFailure` and `patience` allows.
 
     Raises the last failure's own error, with the number of attempts; any other error at once.
     """
@@ -69,8 +69,8 @@ def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
     limits = {"free": patience.attempts, "billed": patience.billed}
     failures: Counter[Kind] = Counter()
 
-    def again(error: Exception) -> bool:
-        if not isinstance(error, Passing):
+    def must_retry(error: Exception) -> bool:
+        if not isinstance(error, TemporaryFailure):
             return False
         failures[error.kind] += 1
         return failures[error.kind] < limits[error.kind]
@@ -83,8 +83,8 @@ def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
         wait_jitter=patience.jitter,
     )
     try:
-        return caller(again, once)
-    except Passing as last:
+        return caller(must_retry, once)
+    except TemporaryFailure as last:
         error, times = last.error, failures.total()
         message = error.message if times == 1 else f"{error.message}; tried {times} times"
         raise type(error)(message, error.where, error.hint) from last.__cause__
@@ -98,6 +98,6 @@ def _install_hook() -> None:
 
 def _announce(details: RetryDetails) -> None:
     """Reports a coming attempt."""
-    if isinstance(details.caused_by, Passing):
+    if isinstance(details.caused_by, TemporaryFailure):
         error = details.caused_by.error
         details.caused_by.progress(f"{error.message}; trying again in {details.wait_for:.0f} s")

@@ -18,7 +18,7 @@ import httpx
 
 from linkwright.stages.fetch.onshape import reply_sizes
 from linkwright.stages.fetch.onshape.api import connection_errors, decompression
-from linkwright.stages.fetch.onshape.api.connection_errors import Trouble
+from linkwright.stages.fetch.onshape.api.connection_errors import ConnectionFault
 from linkwright.stages.fetch.onshape.api.retries import Patience
 from linkwright.stages.robot.errors import ConfigError
 
@@ -28,8 +28,8 @@ AT_ONCE = 4
 _MAX_IN_MEMORY = 1 << 20
 """Size up to which a body is collected in memory instead of a file [bytes]."""
 
-_UNMET = (httpx.ConnectError, httpx.ConnectTimeout, httpx.ProxyError, httpx.UnsupportedProtocol)
-_BROKEN: Mapping[type[httpx.HTTPError], str] = {
+_UNREACHED_ERRORS = (httpx.ConnectError, httpx.ConnectTimeout, httpx.ProxyError, httpx.UnsupportedProtocol)
+_BROKEN_CONNECTION: Mapping[type[httpx.HTTPError], str] = {
     httpx.RemoteProtocolError: "it closed the connection, or does not speak HTTP",
     httpx.ReadError: "the connection broke off",
     httpx.WriteError: "the connection broke off",
@@ -48,7 +48,7 @@ class HttpReply:
     """The unpacked body."""
 
 
-class Lost(Exception):
+class NoReply(Exception):
     """The error that a reply is missing or incomplete. Its text gives the reason and contains no secret.
 
     `begun`: the request may have reached the server; `status`: the status that arrived before the rest was
@@ -56,7 +56,13 @@ class Lost(Exception):
     """
 
     def __init__(
-        self, why: str, *, begun: bool, status: int, late: bool = False, trouble: Trouble | None = None
+        self,
+        why: str,
+        *,
+        begun: bool,
+        status: int,
+        late: bool = False,
+        trouble: ConnectionFault | None = None,
     ) -> None:
         super().__init__(why)
         self.begun = begun
@@ -69,11 +75,11 @@ class ReplyTooLarge(Exception):
     """The error that a reply is larger than the limit of its kind."""
 
 
-class Packed(Exception):
+class UnexpectedEncoding(Exception):
     """The error that a reply has an unexpected content encoding; its text names the encoding."""
 
 
-class _Way:
+class _TracedConnection:
     """The connection of a request: `met`, the host and port that were tried."""
 
     def __init__(self, wire: "Wire") -> None:
@@ -128,17 +134,17 @@ class Wire:
         address: str,
         headers: Callable[[str], Mapping[str, str]],
         content: bytes | None,
-        met: Callable[[int, Mapping[str, str]], None],
-        most: int,
+        on_reply: Callable[[int, Mapping[str, str]], None],
+        max_size: int,
     ) -> HttpReply:
         """Returns the reply to a request. Raises Lost, ReplyTooLarge or Packed if it is unusable.
 
-        `headers` gets path and query as they are sent; `met` gets status and headers as soon as they arrive,
-        since that is when a call is billed; `most`: bytes that a reply may unpack to.
+        `headers` gets path and query as they are sent; `on_reply` gets status and headers as soon as they
+        arrive, since that is when a call is billed; `max_size`: bytes that a reply may unpack to.
         """
         # The address goes out as it is, never encoded a second time.
         url = httpx.URL(address)
-        status, until, connection = 0, time.monotonic() + self._whole, _Way(self)
+        status, deadline, connection = 0, time.monotonic() + self._whole, _TracedConnection(self)
         try:
             request = self._http.build_request(
                 method,
@@ -150,22 +156,22 @@ class Wire:
             response = self._http.send(request, stream=True)
             try:
                 status = response.status_code
-                met(status, response.headers)
-                return HttpReply(status, response.headers, _body(response, until, most, self._arrived))
+                on_reply(status, response.headers)
+                return HttpReply(status, response.headers, _body(response, deadline, max_size, self._arrived))
             finally:
                 response.close()
-        except _UNMET as error:
+        except _UNREACHED_ERRORS as error:
             late = isinstance(error, httpx.TimeoutException)
             if isinstance(error, httpx.ProxyError):
                 problem = connection_errors.refused_by_proxy(str(error), url.host, connection.met)
             else:
-                problem = connection_errors.trouble(error, url.host, connection.met)
+                problem = connection_errors.connection_fault(error, url.host, connection.met)
             why = type(error).__name__
-            raise Lost(why, begun=False, status=0, late=late, trouble=problem) from error
+            raise NoReply(why, begun=False, status=0, late=late, trouble=problem) from error
         except httpx.HTTPError as error:
             late = isinstance(error, httpx.TimeoutException)
-            why = _BROKEN.get(type(error)) or type(error).__name__
-            raise Lost(why, begun=True, status=status, late=late) from error
+            why = _BROKEN_CONNECTION.get(type(error)) or type(error).__name__
+            raise NoReply(why, begun=True, status=status, late=late) from error
 
 
 def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
@@ -205,39 +211,39 @@ def _pieces(response: httpx.Response, arrived: Callable[[int], None]) -> Iterato
         yield piece
 
 
-def _body(response: httpx.Response, until: float, limit: int, arrived: Callable[[int], None]) -> bytes:
+def _body(response: httpx.Response, deadline: float, limit: int, arrived: Callable[[int], None]) -> bytes:
     """Returns the body, collected in an unnamed file, which does not outlive the process."""
     status = response.status_code
-    good = status < 300
-    announced = response.headers.get("Content-Length", "")
-    promised = int(announced) if re.fullmatch("[0-9]{1,20}", announced) else None
+    is_success = status < 300
+    length_header = response.headers.get("Content-Length", "")
+    announced_length = int(length_header) if re.fullmatch("[0-9]{1,20}", length_header) else None
     encoding = response.headers.get("Content-Encoding", "")
-    if good and promised is not None and promised > limit:
+    if is_success and announced_length is not None and announced_length > limit:
         raise ReplyTooLarge
     with tempfile.SpooledTemporaryFile(_MAX_IN_MEMORY) as file:
         try:
-            for piece in decompression.unpacked(_pieces(response, arrived), encoding):
+            for piece in decompression.decompressed(_pieces(response, arrived), encoding):
                 file.write(piece)
-                if time.monotonic() > until:
-                    raise Lost("too slow", begun=True, status=status, late=True)
-                if good and max(file.tell(), response.num_bytes_downloaded) > limit:
+                if time.monotonic() > deadline:
+                    raise NoReply("too slow", begun=True, status=status, late=True)
+                if is_success and max(file.tell(), response.num_bytes_downloaded) > limit:
                     raise ReplyTooLarge
-                if not good and file.tell() > reply_sizes.REFUSAL:
+                if not is_success and file.tell() > reply_sizes.REFUSAL:
                     break
         except (httpx.HTTPError, decompression.DamagedError, decompression.UnknownEncodingError) as error:
             # Of a refusal the status says enough; only the server's own words are lost.
-            if good:
-                raise _lost(error, status) from error
-        if good and promised is not None and promised != response.num_bytes_downloaded:
-            raise Lost("length", begun=True, status=status)
+            if is_success:
+                raise _body_error(error, status) from error
+        if is_success and announced_length is not None and announced_length != response.num_bytes_downloaded:
+            raise NoReply("length", begun=True, status=status)
         file.seek(0)
         return file.read()
 
 
-def _lost(error: Exception, status: int) -> Exception:
+def _body_error(error: Exception, status: int) -> Exception:
     """Returns the error for an incomplete body."""
     if isinstance(error, decompression.UnknownEncodingError):
-        return Packed(str(error))
+        return UnexpectedEncoding(str(error))
     if isinstance(error, decompression.DamagedError):
-        return Lost("damaged", begun=True, status=status)
+        return NoReply("damaged", begun=True, status=status)
     return error

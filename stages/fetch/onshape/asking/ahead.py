@@ -11,14 +11,14 @@ from linkwright.stages.fetch.source import CallsAhead
 
 def calls_ahead(answers: LiveAnswers, body: bytes, assembly: Definition, client: CachedClient) -> CallsAhead:
     """Returns the calls that `answers`, whose definition is `body`, will make for `assembly`."""
-    pin, pending, exact = answers.ahead(needs_of(assembly))
+    pin, pending, is_exact = answers.ahead(needs_of(assembly))
     for owner in features.owners(body):
         request = requests.features(owner.key, assembly.document)
-        kept = client.kept(request)
-        if kept is None:
+        cached_list = client.lookup(request)
+        if cached_list is None:
             pending[request] = ()
         # The variables that a list names are known once it is there.
         variables = requests.variables(owner.key, assembly.document)
-        settled = kept is not None and not features.name_variables(kept, owner)
-        exact = exact and (settled or client.kept(variables) is not None)
-    return CallsAhead(pin, pending, exact)
+        is_settled = cached_list is not None and not features.name_variables(cached_list, owner)
+        is_exact = is_exact and (is_settled or client.lookup(variables) is not None)
+    return CallsAhead(pin, pending, is_exact)

@@ -9,7 +9,7 @@ from typing import Any
 
 from linkwright.stages.fetch.onshape.api.http_errors import Declined
 from linkwright.stages.fetch.onshape.api.threads import run_all
-from linkwright.stages.fetch.onshape.asking.session import Promise, Session
+from linkwright.stages.fetch.onshape.asking.session import ReplyCheck, Session
 from linkwright.stages.fetch.onshape.call_budget import allow
 from linkwright.stages.fetch.onshape.replies.store import ReplyStore
 from linkwright.stages.fetch.onshape.requests import API, api, describe, is_definition
@@ -17,7 +17,7 @@ from linkwright.stages.fetch.source import SweepState
 from linkwright.stages.robot.errors import NotFound, Offline, ProtocolError
 from linkwright.stages.robot.text.plural import count
 
-Refused = dict[str, NotFound | Declined]
+RefusalErrors = dict[str, NotFound | Declined]
 """Request → the error that refused it."""
 
 _MAX_NAMED = 3
@@ -47,8 +47,8 @@ class CachedClient:
         self._max_calls = max_calls
         self._lock = Lock()
         self._sweep_requests = sweep.asked if sweep else set()
-        self._doubted: set[str] = set()
-        self._promises: dict[str, Promise] = {}
+        self._refetched: set[str] = set()
+        self._checks: dict[str, ReplyCheck] = {}
         self._checked: set[str] = set()
         self.offline = offline
         self.saved = 0
@@ -59,26 +59,26 @@ class CachedClient:
         self.while_waiting: Callable[[], None] = lambda: None
         """Called, perhaps several times, before replies are requested for the first time."""
 
-    def kept(self, request: str) -> bytes | None:
+    def lookup(self, request: str) -> bytes | None:
         """Returns the cached reply to a pinned request, or None; a reply without its required content counts
         as None."""
         with self._lock:
-            if (self._refresh or request in self._doubted) and request not in self._sweep_requests:
+            if (self._refresh or request in self._refetched) and request not in self._sweep_requests:
                 return None
             body = self._replies.get(request)
-        promise = None if request in self._checked else self._promises.get(request)
-        if body is None or promise is None:
+        check = None if request in self._checked else self._checks.get(request)
+        if body is None or check is None:
             return body
         try:
-            promise(body)
+            check(body)
         except ProtocolError:
             return None
         self._checked.add(request)
         return body
 
-    def require(self, request: str, promise: Promise) -> None:
-        """Requires that the reply to a request fulfils `promise`; otherwise it is neither used nor cached."""
-        self._promises[request] = promise
+    def require(self, request: str, check: ReplyCheck) -> None:
+        """Requires that the reply to a request fulfils `check`; otherwise it is neither used nor cached."""
+        self._checks[request] = check
 
     def keep(self, request: str, body: bytes) -> None:
         """Caches the reply to a pinned request; for a definition also the API version."""
@@ -92,18 +92,18 @@ class CachedClient:
         """Returns the API version of the cached reply to a request for a definition."""
         return str(self.recall(f"{request}#api").get("api", API))
 
-    def doubt(self, requests: Iterable[str]) -> None:
+    def refetch(self, requests: Iterable[str]) -> None:
         """Makes this build fetch these requests again, although replies are cached."""
         with self._lock:
-            self._doubted.update(requests)
+            self._refetched.update(requests)
 
-    def spare(self, calls: int) -> None:
+    def count_saved(self, calls: int) -> None:
         """Records that cached replies saved `calls`."""
         with self._lock:
             self.saved += calls
 
     @property
-    def made(self) -> int:
+    def calls_made(self) -> int:
         """The calls made so far that count against the quota."""
         return self._session.calls
 
@@ -121,9 +121,9 @@ class CachedClient:
         earlier_calls = self.sweep.made if self.sweep else 0
         return earlier_calls + self._session.calls + more <= self._max_calls
 
-    def now(self, request: str) -> bytes:
+    def uncached_reply(self, request: str) -> bytes:
         """Fetches, and does not cache, the reply to a request whose reply changes with time."""
-        self._reachable([request])
+        self._require_online([request])
         self.allow(1)
         return self._session.ask(request)
 
@@ -131,20 +131,20 @@ class CachedClient:
         """Returns the reply to a pinned request: cached, or else fetched and cached."""
         return self.all([request])[request]
 
-    def all(self, needed: Sequence[str], refused: Refused | None = None) -> dict[str, bytes]:
+    def all(self, needed: Sequence[str], refused: RefusalErrors | None = None) -> dict[str, bytes]:
         """Returns the replies to pinned requests, made a few at a time.
 
         After a failure no further call begins, but running calls are finished and cached, since they are
         billed. Of several failures the first in order is raised. With `refused`, failures of a single request
         are stored there, and the replies that arrived are returned.
         """
-        kept = {request: self.kept(request) for request in needed}
-        bodies = {request: body for request, body in kept.items() if body is not None}
+        lookup = {request: self.lookup(request) for request in needed}
+        bodies = {request: body for request, body in lookup.items() if body is not None}
         missing = [request for request in needed if request not in bodies]
-        self.spare(sum(request not in self._sweep_requests for request in bodies))
+        self.count_saved(sum(request not in self._sweep_requests for request in bodies))
         if not missing:
             return bodies
-        self._reachable(missing)
+        self._require_online(missing)
         self.allow(len(missing))
         self._session.ready()
         self.while_waiting()
@@ -183,15 +183,15 @@ class CachedClient:
     def _once(self, request: str) -> bytes:
         """Returns the reply to a request that another build may be fetching at the same time."""
         with self.lock(request):
-            body = self.kept(request)
+            body = self.lookup(request)
             if body is not None:
-                self.spare(1)
+                self.count_saved(1)
                 return body
-            body = self._session.ask(request, self._promises.get(request))
+            body = self._session.ask(request, self._checks.get(request))
             self.keep(request, body)
             return body
 
-    def _reachable(self, missing: Sequence[str]) -> None:
+    def _require_online(self, missing: Sequence[str]) -> None:
         if not self.offline:
             return
         names = [describe(request) for request in missing[:_MAX_NAMED]]

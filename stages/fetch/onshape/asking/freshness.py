@@ -25,51 +25,51 @@ class Workspace:
         self._place = f"/documents/d/{url.document}/{url.pin}"
         self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
 
-    def last(self) -> str | None:
+    def last_microversion(self) -> str | None:
         """Returns the microversion of the last complete build, or else the first recorded; None without
         either."""
         return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
 
-    def completed(self, microversion: str) -> None:
+    def record_complete(self, microversion: str) -> None:
         """Records that all replies about this assembly are cached at `microversion`."""
         if self._recalled(f"{self._definition}#complete") != microversion:
             self._client.remember(f"{self._definition}#complete", {"microversion": microversion})
 
-    def current(self, *, force: bool = False, began: float | None = None) -> str:
+    def current(self, *, force: bool = False, asked_since: float | None = None) -> str:
         """Returns the current microversion of the workspace (one call); the last known microversion if
         offline.
 
         The first time, and with `force`, the definition itself is fetched: it names the microversion. Of
         several builds that ask at the same time only the first calls the server; the others use its answer if
-        it is newer than `began` (default: now). All fetches of a sweep use the answer of the first.
+        it is newer than `asked_since` (default: now). All fetches of a sweep use the answer of the first.
         """
         client = self._client
-        began = began or time.time()
+        asked_since = asked_since or time.time()
         if client.offline:
             return self._without_network()
         pins = client.sweep.pins if client.sweep else {}
         if self._place in pins:
-            client.spare(1)
-            return self._seen(pins[self._place])
+            client.count_saved(1)
+            return self._recorded(pins[self._place])
         # Not while another build has the variables changed: that state is not the user's.
         with client.undisturbed(), client.lock(self._place):
             recalled = client.recall(self._place)
             # A time in the future comes from a clock that was set back since.
-            if not force and began <= _number(recalled.get("at")) <= time.time():
-                client.spare(1)
+            if not force and asked_since <= _number(recalled.get("at")) <= time.time():
+                client.count_saved(1)
                 microversion = str(recalled["microversion"])
             else:
                 microversion = self._ask(force)
                 client.remember(self._place, {"microversion": microversion, "at": time.time()})
         pins[self._place] = microversion
-        return self._seen(microversion)
+        return self._recorded(microversion)
 
     def discrepancy(self) -> Mapping[str, Any]:
         """Returns the recorded difference of masses that remained after fetching everything again; empty if
         there is none."""
         return self._client.recall(f"{self._definition}#discrepancy")
 
-    def differs(self, fact: Mapping[str, Any]) -> None:
+    def record_discrepancy(self, fact: Mapping[str, Any]) -> None:
         """Records a difference of masses; an empty mapping deletes the record."""
         if self.discrepancy() != fact:
             self._client.remember(f"{self._definition}#discrepancy", fact)
@@ -82,28 +82,30 @@ class Workspace:
     def _ask(self, force: bool) -> str:
         """Asks the server for the current microversion; the first time, and with `force`, by the
         definition."""
-        if self.last() is None or force:
+        if self.last_microversion() is None or force:
             self._client.while_waiting()
-            body = self._client.now(self._definition)
+            body = self._client.uncached_reply(self._definition)
             microversion = definition.read(body).microversion
             self._client.keep(self.definition(microversion), body)
             return microversion
-        body = self._client.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
+        body = self._client.uncached_reply(
+            requests.current_microversion(self._url.document, self._url.pin[2:])
+        )
         return documents.microversion(body)
 
-    def _seen(self, microversion: str) -> str:
+    def _recorded(self, microversion: str) -> str:
         """Returns the microversion; records it if it is the first."""
-        if self.last() is None:
+        if self.last_microversion() is None:
             self._client.remember(f"{self._definition}#first", {"microversion": microversion})
         return microversion
 
     def _without_network(self) -> str:
-        last = self.last()
-        if last is None:
+        last_microversion = self.last_microversion()
+        if last_microversion is None:
             msg = f"no cached state of the workspace of assembly {self._url.element}"
             hint = "build it once with source.offline=false, or build from a bundle (source=bundle)"
             raise Offline(msg, "source.offline", hint)
-        return last
+        return last_microversion
 
     def _recalled(self, subject: str) -> str | None:
         """Returns the recorded microversion of a subject, or None."""
@@ -119,7 +121,7 @@ def tabs_to_ask(url: AssemblyUrl, then: str, now: str, client: CachedClient) -> 
     return pair
 
 
-def unchanged(pair: Sequence[str], client: CachedClient) -> frozenset[str]:
+def unchanged_tabs(pair: Sequence[str], client: CachedClient) -> frozenset[str]:
     """Returns the ids of the elements that are the same in the replies to the `pair` of `tabs_to_ask`."""
     bodies = client.all(pair)
     old_tabs, new_tabs = (documents.tabs(bodies[request]) for request in pair)

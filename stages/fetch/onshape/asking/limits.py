@@ -21,17 +21,17 @@ def limits_of(
 ) -> list[LimitReplies]:
     """Returns the limits of each owner; `root` is the id of the root assembly's document, `url` its
     address."""
-    lists = [requests.features(owner.key, root) for owner in owners]
-    bodies = client.all(lists)
-    needy = [
+    list_requests = [requests.features(owner.key, root) for owner in owners]
+    bodies = client.all(list_requests)
+    owners_with_variables = [
         owner
-        for owner, request in zip(owners, lists, strict=True)
+        for owner, request in zip(owners, list_requests, strict=True)
         if features.name_variables(bodies[request], owner)
     ]
-    variables = _variables(needy, root, url, client)
+    variables = _variables(owners_with_variables, root, url, client)
     return [
         LimitReplies(Reply(request, bodies[request]), variables.get(owner))
-        for owner, request in zip(owners, lists, strict=True)
+        for owner, request in zip(owners, list_requests, strict=True)
     ]
 
 
@@ -44,9 +44,9 @@ def _variables(
     for owner in owners:
         # The reply is cached, and written in bundles, under the owner's own pin, whatever the request.
         name = requests.variables(owner.key, root)
-        body = client.kept(name)
+        body = client.lookup(name)
         if body is not None:
-            client.spare(1)
+            client.count_saved(1)
             variables[owner] = Reply(name, body)
         elif owner.key.pin.startswith("v/"):
             variables[owner] = Reply(name, client.reply(name))
@@ -56,11 +56,13 @@ def _variables(
             )
         elif owner.key.document == url.document and not url.pinned and not client.offline:
             request_now = requests.variables(replace(owner.key, pin=url.pin), root)
-            replies[owner] = Reply(name, client.now(request_now))
+            replies[owner] = Reply(name, client.uncached_reply(request_now))
     if not replies:
         return variables
     # The workspace may have changed since: then these are not the variables of the build.
-    now = documents.microversion(client.now(requests.current_microversion(url.document, url.pin[2:])))
+    now = documents.microversion(
+        client.uncached_reply(requests.current_microversion(url.document, url.pin[2:]))
+    )
     replies = {owner: reply for owner, reply in replies.items() if owner.key.pin == f"m/{now}"}
     for reply in replies.values():
         client.keep(reply.request, reply.body)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient
-from linkwright.stages.fetch.onshape.asking.freshness import Workspace, tabs_to_ask, unchanged
+from linkwright.stages.fetch.onshape.asking.freshness import Workspace, tabs_to_ask, unchanged_tabs
 from linkwright.stages.fetch.onshape.asking.limits import limits_of
 from linkwright.stages.fetch.onshape.asking.triangle_requests import NOTHING, Shapes
-from linkwright.stages.fetch.onshape.configured import Configured
+from linkwright.stages.fetch.onshape.configured import ConfiguredAddress
 from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
 from linkwright.stages.fetch.onshape.replies import documents, features, mass_check
 from linkwright.stages.fetch.onshape.replies.features import Owner
@@ -44,7 +44,7 @@ class LiveAnswers:
         self._progress = progress
         self._shapes = Shapes(client, keys.tessellation)
         self._workspace = None if url.pinned else Workspace(url, client)
-        self._then: str | None = None
+        self._last_built: str | None = None
         self._pin = url.pin
         self._definition: Reply | None = None
         self.lasts = True
@@ -63,24 +63,24 @@ class LiveAnswers:
         if self._keys.configuration:
             self._configure()
         elif self._workspace is not None:
-            self._then = self._workspace.last()
-            self._ask("asking whether the document changed" if self._then else _ASKING)
+            self._last_built = self._workspace.last_microversion()
+            self._ask("asking whether the document changed" if self._last_built else _ASKING)
             self._pin = f"m/{self._workspace.current(force=self._keys.refresh)}"
         url = self._url
         request = requests.definition(url.document, self._pin, url.element, url.configuration)
-        if self._client.kept(request) is None:
+        if self._client.lookup(request) is None:
             self._ask(_ASKING)
         self._definition = Reply(request, self._client.reply(request))
         return self._definition
 
     def _configure(self) -> None:
         """Sets the address to the user's configuration, and its microversion."""
-        configured = Configured(self._url, self._keys.configuration, self._client)
+        configured = ConfiguredAddress(self._url, self._keys.configuration, self._client)
         if self._workspace is None:
             self._url = configured.at(self._pin)
             return
         self._ask("asking how the assembly can be configured, and whether it changed")
-        self._url, self._then, microversion = configured.now(force=self._keys.refresh)
+        self._url, self._last_built, microversion = configured.current(force=self._keys.refresh)
         self._pin = f"m/{microversion}"
         self._workspace = Workspace(self._url, self._client)
 
@@ -94,7 +94,7 @@ class LiveAnswers:
         url, client = self._url, self._client
         subject = f"/documents/d/{url.document}/e/{url.element}#name"
         remembered = str(client.recall(subject).get("name", ""))
-        kept = client.kept(requests.elements(url.document, self._pin[2:]))
+        kept = client.lookup(requests.elements(url.document, self._pin[2:]))
         name = documents.tab_name(kept, url.element) if kept is not None else remembered
         if name != remembered:
             client.remember(subject, {"name": name})
@@ -103,7 +103,7 @@ class LiveAnswers:
     def ahead(self, needs: Sequence[Needs]) -> tuple[str, dict[str, tuple[str, ...]], bool]:
         """Returns the pin, the requests of `studios`, and whether it makes no other requests."""
         pairs = [(request, need) for need in needs for request in self._requests(need)]
-        kept = {request: body for request, _ in pairs if (body := self._client.kept(request)) is not None}
+        kept = {request: body for request, _ in pairs if (body := self._client.lookup(request)) is not None}
         tabs = self._reusable(needs, kept)
         reused = {request: body for _, bodies in tabs for request, body in bodies.items()}
         pending = {request: need.parts for request, need in pairs if request not in kept | reused}
@@ -121,7 +121,7 @@ class LiveAnswers:
     def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         client = self._client
         all_requests = [request for need in needs for request in self._requests(need)]
-        kept = {request: body for request in all_requests if (body := client.kept(request)) is not None}
+        kept = {request: body for request in all_requests if (body := client.lookup(request)) is not None}
         reused = self._reused(needs, kept)
         studio_requests = [request for need in needs for request in self._requests(need, {**kept, **reused})]
         missing = [request for request in studio_requests if request not in kept and request not in reused]
@@ -132,13 +132,13 @@ class LiveAnswers:
         calls += len(doubtful)
         cached = len(kept) + len(reused)
         self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {cached} kept")
-        client.spare(cached)
+        client.count_saved(cached)
         if missing and not client.offline:
             client.allow(calls)
         weights = set(studio_requests[::2])
         bodies = {**kept, **reused, **client.all([request for request in missing if request in weights])}
         # After the masses, which show how much of a part studio the assembly uses.
-        bodies |= self._shapes.gathered(needs, bodies)
+        bodies |= self._shapes.fetch_missing(needs, bodies)
         refetched, checked = self._verified(needs, bodies, suspects)
         # This is recorded before they are stored: a kill in between must not make them look checked.
         self._check_later(() if checked else suspects)
@@ -146,9 +146,9 @@ class LiveAnswers:
             client.keep(request, reused[request])
         self._shapes.refusals.keep(reused, refetched)
         if self._workspace is not None and not client.offline:
-            self._workspace.completed(self._pin[2:])
+            self._workspace.record_complete(self._pin[2:])
         bodies |= refetched
-        bodies |= self._shapes.asked_again(doubtful, bodies)
+        bodies |= self._shapes.faces_again(doubtful, bodies)
         self.lasts = self._shapes.lasts(needs, bodies)
         self.diagnostics += self._shapes.diagnostics(needs, bodies)
         return [self._shapes.answer(need, bodies) for need in needs]
@@ -161,31 +161,33 @@ class LiveAnswers:
                 continue
             new, old = (
                 requests.features(replace(owner.key, pin=pin), self._url.document)
-                for pin in (self._pin, f"m/{self._then}")
+                for pin in (self._pin, f"m/{self._last_built}")
             )
-            body = self._client.kept(old) if self._client.kept(new) is None else None
+            body = self._client.lookup(old) if self._client.lookup(new) is None else None
             if body is not None:
                 lists[new] = owner.key.element, body
         return lists
 
     def _keep_lists(self, owners: Sequence[Owner]) -> None:
         """Caches the feature lists of assemblies unchanged since `then`, if that saves calls."""
-        if self._then is None or self._then == self._pin[2:]:
+        if self._last_built is None or self._last_built == self._pin[2:]:
             return
         lists = self._lists(owners)
         if len(lists) <= len(self._tabs_to_ask()):
             return
-        same_tabs = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._client), self._client)
+        same_tabs = unchanged_tabs(
+            tabs_to_ask(self._url, self._last_built, self._pin[2:], self._client), self._client
+        )
         for request, (element, body) in lists.items():
             if element in same_tabs:
                 self._client.keep(request, body)
-                self._client.spare(1)
+                self._client.count_saved(1)
 
     def _tabs_to_ask(self) -> list[str]:
         """Returns the uncached requests that show the tabs that changed since `then`."""
-        assert self._then is not None
-        pair = tabs_to_ask(self._url, self._then, self._pin[2:], self._client)
-        return [request for request in pair if self._client.kept(request) is None]
+        assert self._last_built is not None
+        pair = tabs_to_ask(self._url, self._last_built, self._pin[2:], self._client)
+        return [request for request in pair if self._client.lookup(request) is None]
 
     def _requests(self, need: Needs, bodies: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
         """Returns the requests for the masses and the triangles of a part studio.
@@ -202,15 +204,15 @@ class LiveAnswers:
         tabs = self._reusable(needs, kept)
         if not tabs:
             return {}
-        pair = tabs_to_ask(self._url, str(self._then), self._pin[2:], self._client)
-        same = unchanged(pair, self._client)
+        pair = tabs_to_ask(self._url, str(self._last_built), self._pin[2:], self._client)
+        same = unchanged_tabs(pair, self._client)
         return {
             request: body for element, bodies in tabs if element in same for request, body in bodies.items()
         }
 
     def _reusable(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> list[tuple[str, _Bodies]]:
         """Returns the replies that `_reused` takes if nothing changed, with the tab of each."""
-        then = self._then
+        then = self._last_built
         if then is None or then == self._pin[2:]:
             return []
         earlier = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
@@ -218,8 +220,8 @@ class LiveAnswers:
         assert self._definition is not None
         # The requests that show the changed tabs serve the feature lists too.
         lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
-        dear = spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"])
-        return [] if dear else earlier
+        costs_too_much = spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"])
+        return [] if costs_too_much else earlier
 
     def _earlier(self, need: Needs, kept: Mapping[str, bytes], then: str) -> _Bodies:
         """Returns replies that a part studio of this document lacks, from the microversion `then`."""
@@ -228,7 +230,7 @@ class LiveAnswers:
             return {}
         old_need = replace(need, studio=replace(studio, pin=f"m/{then}"))
         pairs = [(self._shapes.mass(need), self._shapes.mass(old_need)), self._shapes.same(need, old_need)]
-        bodies = {new: body for new, old in pairs if (body := self._client.kept(old)) is not None}
+        bodies = {new: body for new, old in pairs if (body := self._client.lookup(old)) is not None}
         mass = pairs[0][0]
         # Where the masses differ, the studio changed: its old triangles are wrong too.
         if mass not in bodies or kept.get(mass, bodies[mass]) != bodies[mass]:
@@ -241,7 +243,7 @@ class LiveAnswers:
         The second value: whether `suspects` need no further check. They do if that mass is not available.
         """
         client = self._client
-        total = client.kept(self._total())
+        total = client.lookup(self._total())
         if total is None and self._to_weigh(suspects) == 0:
             return {}, self._keys.verify
         if total is None:
@@ -253,27 +255,27 @@ class LiveAnswers:
                 return {}, False
         refetched: _Bodies = {}
         masses = self._masses(needs, bodies, total)
-        lasting = not masses.agree and self._differed(needs, masses)
-        if not masses.agree and not lasting and suspects and not client.offline:
+        differed_before = not masses.agree and self._differed_before(needs, masses)
+        if not masses.agree and not differed_before and suspects and not client.offline:
             suspect_requests = sorted(suspects)
             calls = count(len(suspect_requests), "call")
             self._progress(f"a part studio changed through one that it depends on:  {calls}")
-            client.doubt(suspect_requests)
+            client.refetch(suspect_requests)
             refetched = client.all(suspect_requests)
             masses = self._masses(needs, {**bodies, **refetched}, total)
             if self._workspace is not None:
                 excess = {"excess": list(masses.excess), "studios": _tabs(needs)}
-                self._workspace.differs({} if masses.agree else excess)
+                self._workspace.record_discrepancy({} if masses.agree else excess)
         if not masses.agree:
-            self.diagnostics += (masses.diagnostic(self._url.element, lasting=lasting),)
+            self.diagnostics += (masses.diagnostic(self._url.element, lasting=differed_before),)
         return refetched, self._keys.verify
 
-    def _differed(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
+    def _differed_before(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
         """Tells whether the masses differed equally after all these part studios were fetched again."""
         recorded = self._workspace.discrepancy() if self._workspace is not None else {}
         if not recorded or not set(_tabs(needs)) <= set(recorded["studios"]):
             return False
-        return masses.as_before(recorded["excess"])
+        return masses.differs_as_before(recorded["excess"])
 
     def _masses(self, needs: Sequence[Needs], bodies: Mapping[str, bytes], total: bytes) -> mass_check.Masses:
         weights = {need.studio: mass_check.read_weights(bodies[self._requests(need)[0]]) for need in needs}
@@ -283,7 +285,7 @@ class LiveAnswers:
     def _to_weigh(self, suspects: Iterable[str]) -> int:
         """Returns the number of calls for the assembly's mass: 1 if it is needed and not cached."""
         checks = self._keys.verify and not self._client.offline
-        return int(checks and any(suspects) and self._client.kept(self._total()) is None)
+        return int(checks and any(suspects) and self._client.lookup(self._total()) is None)
 
     def _total(self) -> str:
         url = self._url

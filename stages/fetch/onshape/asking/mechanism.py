@@ -39,7 +39,7 @@ class MechanismAnswers:
         if not self._masses:
             return [StudioReplies((), None) for _ in needs]
         studio_requests = [requests.mass_properties(need.studio, need.root) for need in needs]
-        calls = sum(self._client.kept(request) is None for request in studio_requests)
+        calls = sum(self._client.lookup(request) is None for request in studio_requests)
         self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')} for their masses")
         bodies = self._client.all(studio_requests)
         return [StudioReplies((Reply(request, bodies[request]),), None) for request in studio_requests]

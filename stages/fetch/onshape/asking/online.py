@@ -19,7 +19,7 @@ def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
     """Fetches the bundle of the assembly at `keys.url`. Raises the errors of `stages.fetch.fetch`."""
     url, calls = keys.url, context.calls
     with Session(keys, context) as session:
-        client = used = _client(keys, session, context)
+        client = answering_client = _client(keys, session, context)
         remarks: tuple[Diagnostic, ...] = ()
         try:
             url = _with_variables(url, keys, client, session, context)
@@ -29,19 +29,19 @@ def fetch(keys: OnshapeSourceSection, context: FetchContext) -> Fetched:
             except QuotaExhausted as exhausted:
                 if url.pinned:
                     raise
-                used = CachedClient(
+                answering_client = CachedClient(
                     session, context.replies, offline=True, refresh=False, max_calls=keys.max_calls
                 )
-                answers = LiveAnswers(url, keys, used, context.progress)
+                answers = LiveAnswers(url, keys, answering_client, context.progress)
                 bundle = _fetched_last(answers, exhausted)
-                remarks = (_quota(exhausted, accepted=keys.stale),)
+                remarks = (_quota_warning(exhausted, accepted=keys.stale),)
         finally:
             session.account(calls)
-            calls.saved = used.saved
-    stale = bool(remarks) and not keys.stale
+            calls.saved = answering_client.saved
+    is_stale = bool(remarks) and not keys.stale
     diagnostics = (*answers.diagnostics, *remarks)
     title = answers.title()
-    return Fetched(bundle, calls.made, calls.saved, diagnostics, title, stale, answers.lasts)
+    return Fetched(bundle, calls.made, calls.saved, diagnostics, title, is_stale, answers.lasts)
 
 
 def survey(keys: OnshapeSourceSection, context: FetchContext, *, masses: bool) -> Fetched:
@@ -105,7 +105,7 @@ def _with_variables(
     variables = Variables(url, client, session, context.progress)
     client.undisturbed = variables.undisturbed
     variables.restore_left()
-    return variables.applied(keys.variables) if keys.variables else url
+    return variables.set_values(keys.variables) if keys.variables else url
 
 
 def _fetched_last(answers: LiveAnswers, exhausted: QuotaExhausted) -> OnshapeBundle:
@@ -116,7 +116,7 @@ def _fetched_last(answers: LiveAnswers, exhausted: QuotaExhausted) -> OnshapeBun
         raise exhausted from None
 
 
-def _quota(exhausted: QuotaExhausted, *, accepted: bool) -> Diagnostic:
+def _quota_warning(exhausted: QuotaExhausted, *, accepted: bool) -> Diagnostic:
     msg = f"{exhausted.message}; this is the assembly as it was last fetched completely"
     hint = "build again when the quota is renewed, or with another key"
     if not accepted:

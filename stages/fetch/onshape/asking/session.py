@@ -11,12 +11,12 @@ from linkwright.stages.fetch.onshape.api.http_errors import Declined
 from linkwright.stages.fetch.onshape.api.ledger import Ledger
 from linkwright.stages.fetch.onshape.api.retries import Patience
 from linkwright.stages.fetch.onshape.call_budget import Budget
-from linkwright.stages.fetch.onshape.replies.checks import accepted
+from linkwright.stages.fetch.onshape.replies.checks import cached_form
 from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
 from linkwright.stages.fetch.source import Calls, FetchContext
 from linkwright.stages.robot.errors import ConfigError, ProtocolError
 
-Promise = Callable[[bytes], None]
+ReplyCheck = Callable[[bytes], None]
 """A function that raises ProtocolError for an accepted reply without its required content."""
 
 
@@ -54,7 +54,7 @@ class Session:
         calls.remaining = dict(sorted(self._client.left.items())) if self._client else {}
         calls.year = self._ledger.counted() if self._ledger else None
         if self._client is not None:
-            calls.served = dict(sorted(self._client.met.items()))
+            calls.served = dict(sorted(self._client.server_facts.items()))
             calls.waited = self._client.waited
 
     def has_key(self) -> bool:
@@ -70,7 +70,7 @@ class Session:
             context = self._context
             credentials = find(context.environ)
             network_settings.require(context.environ, proxies=not self._url.loopback)
-            self._ledger = Ledger(context.ledger, credentials.who) if context.ledger else None
+            self._ledger = Ledger(context.ledger, credentials.owner_id) if context.ledger else None
             self._client = Client(
                 self._url,
                 credentials,
@@ -87,36 +87,36 @@ class Session:
         if self._client is not None:
             self._client.stop()
 
-    def ask(self, request: str, promise: Promise | None = None) -> bytes:
+    def ask(self, request: str, promise: ReplyCheck | None = None) -> bytes:
         """Returns the reply to `request` in the form that is cached. Safe to call from several threads once
         `ready`.
 
         An invalid reply, or a reply that does not fulfil `promise`, is fetched once more. Exceptions: a
         promise that raises Declined, and the mass of an assembly, which only checks other replies.
         """
-        kept = b""
-        final: ProtocolError | None = None
+        cached = b""
+        deferred_error: ProtocolError | None = None
 
-        def fits(body: bytes) -> None:
-            nonlocal kept, final
+        def check_reply(body: bytes) -> None:
+            nonlocal cached, deferred_error
             try:
-                kept = accepted(request, body)
+                cached = cached_form(request, body)
                 if requests.is_definition(request):
-                    self._same_assembly(body)
+                    self._require_assembly(body)
                 if promise is not None:
-                    promise(kept)
+                    promise(cached)
             except ProtocolError as error:
                 if not (isinstance(error, Declined) or requests.is_assembly_mass(request)):
                     raise
-                final = error
+                deferred_error = error
 
-        self.ready().get(request, requests.accept(request), check=fits)
-        if final is not None:
-            raise final
-        return kept
+        self.ready().get(request, requests.accept(request), check=check_reply)
+        if deferred_error is not None:
+            raise deferred_error
+        return cached
 
-    def _same_assembly(self, body: bytes) -> None:
-        answered = definition.read(body)
-        if (answered.document, answered.element) != (self._url.document, self._url.element):
-            msg = f"the server gave assembly {answered.element} where {self._url.element} was asked for"
+    def _require_assembly(self, body: bytes) -> None:
+        assembly = definition.read(body)
+        if (assembly.document, assembly.element) != (self._url.document, self._url.element):
+            msg = f"the server gave assembly {assembly.element} where {self._url.element} was asked for"
             raise ProtocolError(msg, hint="run the same command again")

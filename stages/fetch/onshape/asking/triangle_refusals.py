@@ -18,36 +18,36 @@ class Refusals:
         self._client = client
         self._carried: set[str] = set()
 
-    def first(self, gltf: str) -> None:
+    def record_first(self, gltf: str) -> None:
         """Records a refusal that begins the count: the glTF was just fetched."""
         self._client.remember(_subject(gltf), {"refusals": 1, "at": time.time()})
 
-    def second(self, gltf: str) -> None:
+    def record_second(self, gltf: str) -> None:
         """Records that the faces were refused again."""
         self._client.remember(_subject(gltf), {"refusals": 2, "at": time.time()})
 
-    def settled(self, gltf: str) -> bool:
+    def is_settled(self, gltf: str) -> bool:
         """Tells whether the faces were refused twice. A glTF of an earlier version of the program has no
         record."""
         return gltf in self._carried or self._client.recall(_subject(gltf)).get("refusals", 1) > 1
 
-    def due(self, gltf: str) -> bool:
+    def is_due(self, gltf: str) -> bool:
         """Tells whether this build must ask for the faces again, if it may call."""
         at = self._client.recall(_subject(gltf)).get("at", 0.0)
         is_earlier = self._client.sweep is None or at < self._client.sweep.began
-        return is_earlier and not self.settled(gltf)
+        return is_earlier and not self.is_settled(gltf)
 
     def carry(self, old: str, new: str) -> None:
         """Copies the count of `old` to `new`, the same reply at a later microversion; `keep` stores it."""
-        if is_gltf(new) and self.settled(old):
+        if is_gltf(new) and self.is_settled(old):
             self._carried.add(new)
 
     def keep(self, reused: Iterable[str], fresh: Iterable[str]) -> None:
         """Stores the carried counts for replies that are `reused`; for `fresh` replies the count begins."""
         for gltf in self._carried.intersection(reused).difference(fresh):
-            self.second(gltf)
+            self.record_second(gltf)
         for gltf in filter(is_gltf, fresh):
-            self.first(gltf)
+            self.record_first(gltf)
         self._carried.clear()
 
 

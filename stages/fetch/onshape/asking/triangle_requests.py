@@ -14,10 +14,10 @@ import orjson
 
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.api.http_errors import Declined
-from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient, Refused
+from linkwright.stages.fetch.onshape.asking.cached_client import CachedClient, RefusalErrors
 from linkwright.stages.fetch.onshape.asking.triangle_refusals import Refusals
 from linkwright.stages.fetch.onshape.gather import Needs, Reply, StudioReplies
-from linkwright.stages.fetch.onshape.replies.checks import compacted
+from linkwright.stages.fetch.onshape.replies.checks import compact_triangles
 from linkwright.stages.formats import triangles
 from linkwright.stages.robot.errors import ConfigError, Diagnostic, NotFound, ProtocolError, SourceError
 
@@ -77,10 +77,10 @@ class Shapes:
         self.refusals.carry(old, new)
         return new, old
 
-    def gathered(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
+    def fetch_missing(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
         """Fetches the replies about triangles that are not in `bodies`, which must have the masses."""
         pending = {request: need for need in needs if (request := self.request(need, bodies)) not in bodies}
-        refused: Refused = {}
+        refused: RefusalErrors = {}
         # After a refusal no further call begins: the missing replies are then requested individually.
         fetched = self._client.all(list(pending), refused)
         for need in pending.values():
@@ -95,11 +95,11 @@ class Shapes:
         once_refused = [
             need
             for need, request in requests_by_need
-            if requests.is_gltf(request) and self.refusals.due(request)
+            if requests.is_gltf(request) and self.refusals.is_due(request)
         ]
         return once_refused if once_refused and self._client.may_call else []
 
-    def asked_again(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
+    def faces_again(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> dict[str, bytes]:
         """Returns the faces of `doubtful` part studios that are not refused again.
 
         No failure ends the build, since it has their glTF. Failures other than refusals do not change the
@@ -108,7 +108,7 @@ class Shapes:
         requests_by_studio = {
             need.studio: self._candidate_requests(need, bodies[self.mass(need)]) for need in needs
         }
-        refused: Refused = {}
+        refused: RefusalErrors = {}
         fetched: dict[str, bytes] = {}
         try:
             fetched |= self._client.all(
@@ -116,27 +116,31 @@ class Shapes:
             )
             for studio, (some_parts, all_parts, gltf) in requests_by_studio.items():
                 try:
-                    request, body = self._first((some_parts, all_parts), fetched, refused, studio.element)
+                    request, body = self._first_reply(
+                        (some_parts, all_parts), fetched, refused, studio.element
+                    )
                     fetched[request] = body
                 except (NotFound, Declined):
-                    self.refusals.second(gltf)
+                    self.refusals.record_second(gltf)
         except (SourceError, ConfigError) as error:
             for studio, (_, _, gltf) in requests_by_studio.items():
-                if not self.refusals.settled(gltf):
+                if not self.refusals.is_settled(gltf):
                     self._reasons[studio.element] = f"earlier, and asking again failed: {error.message}"
         return fetched
 
     def lasts(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> bool:
         """Tells whether a later build asks for no faces again."""
         studio_requests = (self.request(need, bodies) for need in needs)
-        return all(self.refusals.settled(request) for request in studio_requests if requests.is_gltf(request))
+        return all(
+            self.refusals.is_settled(request) for request in studio_requests if requests.is_gltf(request)
+        )
 
     def answer(self, need: Needs, bodies: Mapping[str, bytes]) -> StudioReplies:
         """Returns the replies about a part studio, once they are known."""
         mass, request = self.mass(need), self.request(need, bodies)
         body = self._body(request, bodies)
         assert body is not None
-        body = compacted(request, body, bodies[mass])
+        body = compact_triangles(request, body, bodies[mass])
         return StudioReplies((Reply(mass, bodies[mass]),), Reply(request, body))
 
     def diagnostics(self, needs: Sequence[Needs], bodies: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
@@ -149,24 +153,26 @@ class Shapes:
                 f"tessellated faces were refused: {self._reasons.get(element, 'earlier')}",
                 f"part studio {element}",
                 "to ask for tessellated faces again, build with source.refresh=true"
-                if self.refusals.settled(request)
+                if self.refusals.is_settled(request)
                 else "the next build asks for tessellated faces once more",
             )
             for element, request in requests_by_element
             if requests.is_gltf(request)
         )
 
-    def _fetch_single(self, need: Needs, bodies: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
+    def _fetch_single(
+        self, need: Needs, bodies: Mapping[str, bytes], refused: RefusalErrors
+    ) -> tuple[str, bytes]:
         """Returns the first request for triangles that is not refused, and its reply."""
         some_parts, all_parts, gltf = self._candidate_requests(need, bodies[self.mass(need)])
         candidates = (self.request(need, bodies), some_parts, all_parts, gltf)
-        request, body = self._first(candidates, bodies, refused, need.studio.element)
+        request, body = self._first_reply(candidates, bodies, refused, need.studio.element)
         if request == gltf:
-            self.refusals.first(gltf)
+            self.refusals.record_first(gltf)
         return request, body
 
-    def _first(
-        self, candidates: Iterable[str], bodies: Mapping[str, bytes], refused: Refused, element: str
+    def _first_reply(
+        self, candidates: Iterable[str], bodies: Mapping[str, bytes], refused: RefusalErrors, element: str
     ) -> tuple[str, bytes]:
         """Returns the first request that is not refused, and its reply; raises the first refusal if all
         are."""
@@ -188,21 +194,21 @@ class Shapes:
 
         Each must contain all needed parts. If the faces of all parts lack some, no other request is tried.
         """
-        studio, root, only = need.studio, need.root, selected(need.parts, mass)
-        some = requests.tessellated_faces(studio, root, self._quality, only)
+        studio, root, part_ids = need.studio, need.root, parts_to_request(need.parts, mass)
+        needed_parts = requests.tessellated_faces(studio, root, self._quality, part_ids)
         all_parts = requests.tessellated_faces(studio, root, self._quality)
-        gltf = requests.gltf(studio, root, self._quality, only)
+        gltf = requests.gltf(studio, root, self._quality, part_ids)
         weights = mass or _NO_MASS
-        self._client.require(some, lambda body: _require_complete(need, some, body, weights))
+        self._client.require(needed_parts, lambda body: _require_complete(need, needed_parts, body, weights))
         self._client.require(gltf, lambda body: _require_complete(need, gltf, body, weights))
         self._client.require(all_parts, lambda body: _require_solids(need, all_parts, body, weights))
-        return some, all_parts, gltf
+        return needed_parts, all_parts, gltf
 
     def _body(self, request: str, bodies: Mapping[str, bytes]) -> bytes | None:
-        return bodies[request] if request in bodies else self._client.kept(request)
+        return bodies[request] if request in bodies else self._client.lookup(request)
 
 
-def selected(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
+def parts_to_request(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
     """Returns the parts to request if a studio holds many others; empty to request all.
 
     `mass`: the reply with the mass properties of the studio, if it is known. Parts that it does not list as
@@ -219,7 +225,9 @@ def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> No
     """Raises Declined if triangles that were requested by part, or identified by shape, lack one of the
     parts."""
     try:
-        lacking = sorted(set(need.parts) - triangles.ids_with_triangles(compacted(request, body, mass)))
+        lacking = sorted(
+            set(need.parts) - triangles.ids_with_triangles(compact_triangles(request, body, mass))
+        )
     except ProtocolError as error:
         raise Declined(error.message, error.where, error.hint) from error
     if lacking:
@@ -243,7 +251,7 @@ def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None
     """
     volumes, bodies_with_triangles = (
         _volumes(mass),
-        triangles.ids_with_triangles(compacted(request, body, mass)),
+        triangles.ids_with_triangles(compact_triangles(request, body, mass)),
     )
     lacking = [
         part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in bodies_with_triangles

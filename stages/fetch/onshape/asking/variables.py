@@ -35,8 +35,8 @@ from linkwright.stages.robot.errors import (
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.robot.text.units import SI, Measure
 
-_KEY = "source.variables"
-_SENT = ("name", "type", "expression", "description")
+_CONFIG_KEY = "source.variables"
+_SENT_FIELDS = ("name", "type", "expression", "description")
 
 Table = list[dict[str, Any]]
 """The variables of a studio, in the format of the API."""
@@ -80,10 +80,10 @@ class Variables:
             left = self._left()
             if left:
                 self._progress("restoring the variables that a killed build had changed")
-                self._put_back([_Change(**change) for change in left], look=True)
+                self._put_back([_Change(**change) for change in left], only_if_ours=True)
             yield
 
-    def applied(self, settings: Mapping[str, Any]) -> AssemblyUrl:
+    def set_values(self, settings: Mapping[str, Any]) -> AssemblyUrl:
         """Returns the address, pinned to the microversion at which the variables have the values of
         `settings`.
 
@@ -105,9 +105,9 @@ class Variables:
                     self._set(change, written)
                 microversion_set = self._microversion()
             except BaseException as first:
-                self._put_back(written, look=False, first=first)
+                self._put_back(written, only_if_ours=False, first=first)
                 raise
-            self._put_back(written, look=False)
+            self._put_back(written, only_if_ours=False)
             # The same values in the same state of the document need no second write.
             self._client.remember(
                 self._state(self._microversion(), settings), {"microversion": microversion_set}
@@ -122,16 +122,16 @@ class Variables:
         whose replies are not yet cached for the new state.
         """
         workspace = Workspace(self._url, self._client)
-        last = workspace.last()
-        body = self._client.kept(workspace.definition(last)) if last else None
+        last = workspace.last_microversion()
+        body = self._client.lookup(workspace.definition(last)) if last else None
         studios = definition.read(body).parts if body else ()
         own_studios = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
         building = 1 + 2 * len(own_studios)
         self._client.allow(writing + building)
-        least = self._client.made + writing + building
+        min_calls = self._client.calls_made + writing + building
         self._progress(
             f"setting {count(variables, 'variable')} of the document, and restoring their previous values: "
-            f"{writing} calls; with the build at least {building} more, {least} in all"
+            f"{writing} calls; with the build at least {building} more, {min_calls} in all"
         )
 
     def _set(self, change: _Change, written: list[_Change]) -> None:
@@ -149,33 +149,38 @@ class Variables:
             raise
 
     def _put_back(
-        self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
+        self, changes: Sequence[_Change], *, only_if_ours: bool, first: BaseException | None = None
     ) -> None:
-        """Restores the previous values; with `look`, only if the values are still those that we wrote.
+        """Restores the previous values; with `only_if_ours`, only if the values are still those that we
+        wrote.
 
         Tries every studio, even after a failure. Raises SourceError if a studio fails; the error names the
         error that ended the build (`first`) as well, and the values left to restore stay stored.
         """
-        failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
+        failed = [
+            (change, error)
+            for change in changes
+            if (error := self._restored(change, only_if_ours=only_if_ours))
+        ]
         self._client.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
         if not failed:
             return
         errors = [error for _, error in failed]
         if isinstance(first, SourceError):
             errors.insert(0, first)
-        names = [name for change, _ in failed for name in _by_hand(change)]
+        names = [name for change, _ in failed for name in _assignments(change)]
         # A dict keeps the order and reports equal errors of several studios once.
         why = "; ".join(dict.fromkeys(error.message for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
         msg = f"variables of the document could not be restored to {', '.join(names)}: {why}"
         hint = "run the same command again, which restores them first, or set them in Onshape"
-        raise SourceError(msg, _KEY, "; ".join([hint, *hints])) from (first or errors[0])
+        raise SourceError(msg, _CONFIG_KEY, "; ".join([hint, *hints])) from (first or errors[0])
 
-    def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
+    def _restored(self, change: _Change, *, only_if_ours: bool) -> SourceError | None:
         """Restores the variables of a studio; returns the error if that fails."""
         sent = False
         try:
-            present = _values(self._table(change.studio)) if look else _values(change.after)
+            present = _values(self._table(change.studio)) if only_if_ours else _values(change.after)
             if present == _values(change.after):
                 sent = True
                 self._write(change.studio, change.before, restoring=True)
@@ -196,7 +201,7 @@ class Variables:
             Diagnostic(
                 "E-VARIABLE",
                 "no variable studio of the document has this variable",
-                f"{_KEY}.{name}",
+                f"{_CONFIG_KEY}.{name}",
                 f"it has: {', '.join(sorted(studio_of)) or 'none'}",
             )
             for name in settings
@@ -211,21 +216,21 @@ class Variables:
                 else row
                 for row in old_table
             ]
-            blank = [str(row["name"]) for row in old_table if not row.get("expression")]
-            if new_table != old_table and blank:
-                text = f"its variable studio has variables without a known value, such as #{blank[0]}"
+            without_value = [str(row["name"]) for row in old_table if not row.get("expression")]
+            if new_table != old_table and without_value:
+                text = f"its variable studio has variables without a known value, such as #{without_value[0]}"
                 hint = "a configured variable cannot be written back: use source.configuration"
-                problems.append(Diagnostic("E-VARIABLE", text, f"{_KEY} ({studio})", hint))
+                problems.append(Diagnostic("E-VARIABLE", text, f"{_CONFIG_KEY} ({studio})", hint))
             elif new_table != old_table:
                 changes.append(_Change(studio, old_table, new_table))
         if problems:
             msg = f"the variables cannot be set: {count(len(problems), 'problem')}"
-            raise SourceError(msg, _KEY, problems=problems)
+            raise SourceError(msg, _CONFIG_KEY, problems=problems)
         return changes
 
     def _studios(self) -> list[str]:
         """Returns the ids of the document's variable studios."""
-        body = self._client.now(requests.tabs(self._url.document, self._url.pin[2:]))
+        body = self._client.uncached_reply(requests.tabs(self._url.document, self._url.pin[2:]))
         tabs = orjson.loads(body)
         return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
 
@@ -235,14 +240,14 @@ class Variables:
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
         rows = [
             row
-            for table in orjson.loads(self._client.now(request))
+            for table in orjson.loads(self._client.uncached_reply(request))
             if not table.get("variableStudioReference")
             for row in table.get("variables") or ()
         ]
         if any(not isinstance(row.get("name"), str) for row in rows):
             msg = "the reply with the variables has a variable without a name"
-            raise ProtocolError(msg, _KEY, "run the same command again; the API may have changed")
-        return [{key: row[key] for key in _SENT if row.get(key) is not None} for row in rows]
+            raise ProtocolError(msg, _CONFIG_KEY, "run the same command again; the API may have changed")
+        return [{key: row[key] for key in _SENT_FIELDS if row.get(key) is not None} for row in rows]
 
     def _write(self, studio: str, table: Table, *, restoring: bool = False) -> None:
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
@@ -250,7 +255,7 @@ class Variables:
 
     def _microversion(self) -> str:
         request = requests.current_microversion(self._url.document, self._url.pin[2:])
-        return documents.microversion(self._client.now(request))
+        return documents.microversion(self._client.uncached_reply(request))
 
     def _pinned(self, microversion: str) -> AssemblyUrl:
         return replace(self._url, pin=f"m/{microversion}")
@@ -280,7 +285,7 @@ def _plain(change: _Change) -> dict[str, Any]:
     return {"studio": change.studio, "before": change.before, "after": change.after}
 
 
-def _by_hand(change: _Change) -> list[str]:
+def _assignments(change: _Change) -> list[str]:
     """Returns the assignments that a user has to make to restore a studio by hand."""
     rows = zip(change.before, change.after, strict=True)
     return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]

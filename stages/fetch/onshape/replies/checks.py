@@ -23,7 +23,7 @@ _PARSE_LOCK = Lock()
 objects."""
 
 
-def accepted(request: str, body: bytes) -> bytes:
+def cached_form(request: str, body: bytes) -> bytes:
     """Returns the form in which a reply is cached: unchanged, except tessellated faces, which are in compact
     form. Raises the errors of `check`."""
     if triangles.is_compact(body):
@@ -44,7 +44,7 @@ def accepted(request: str, body: bytes) -> bytes:
     return body
 
 
-def compacted(request: str, body: bytes, mass: bytes) -> bytes:
+def compact_triangles(request: str, body: bytes, mass: bytes) -> bytes:
     """Returns the compact form of an accepted reply with triangles. Raises ProtocolError if its bodies are
     unclear.
 
@@ -55,7 +55,7 @@ def compacted(request: str, body: bytes, mass: bytes) -> bytes:
         from linkwright.stages.fetch.onshape.triangles import gltf_parts
 
         return gltf_parts.compact(body, mass)
-    return accepted(request, body)
+    return cached_form(request, body)
 
 
 def check(request: str, body: bytes) -> None:
@@ -72,7 +72,7 @@ def check(request: str, body: bytes) -> None:
         mass_check.read_total(body)
         return
     if is_triangles(request) or is_gltf(request):
-        accepted(request, body)
+        cached_form(request, body)
         return
     if path.startswith("/elements/") and path.endswith("/configuration"):
         configuration.read_parameters(body)
@@ -81,7 +81,7 @@ def check(request: str, body: bytes) -> None:
         features.check(body, describe(request), tables=not is_features(request))
         return
     with _PARSE_LOCK:
-        fault = _not_of_bodies(body)
+        fault = _fault_of_bodies(body)
     if fault == NOT_JSON:
         msg = f"the reply with {describe(request)} is not JSON, or was cut short"
         raise ProtocolError(msg, hint="run the same command again; what was fetched is kept")
@@ -92,7 +92,7 @@ def check(request: str, body: bytes) -> None:
         )
 
 
-def _not_of_bodies(body: bytes) -> str:
+def _fault_of_bodies(body: bytes) -> str:
     """Returns the error of a reply that should have bodies, or "".
 
     The parsed reply, many times as large as `body`, ends here: an error raised from here would keep it.

@@ -35,7 +35,7 @@ def owners(body: bytes) -> tuple[Owner, ...]:
     data = orjson.loads(body)
     used_assemblies = definition.assemblies(data["rootAssembly"], data.get("subAssemblies") or ())
     silent_owners = {
-        StudioKey.of(record): record for record in used_assemblies if any(map(_silent, _mates(record)))
+        StudioKey.of(record): record for record in used_assemblies if any(map(_lacks_limits, _mates(record)))
     }
     return tuple(Owner(key, _settings(silent_owners[key], key)) for key in sorted(silent_owners))
 
@@ -71,7 +71,7 @@ def _mates(record: _Record) -> Iterator[_Record]:
             yield feature.get("featureData") or {}
 
 
-def _silent(mate: _Record) -> bool:
+def _lacks_limits(mate: _Record) -> bool:
     """Tells whether a movable mate with both its sides lacks limits."""
     has_both_sides = len(mate.get("matedEntities") or ()) == 2
     return has_both_sides and mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None

@@ -26,29 +26,32 @@ class Masses:
     Whether the server's mass includes hidden instances is not documented, so either of our sums may agree.
     """
 
-    theirs: float
+    onshape_mass: float
     """The server's mass of the assembly."""
 
-    ours: float
+    sum_of_parts: float
     """Our sum over all occurrences."""
 
-    shown: float
+    sum_of_visible: float
     """Our sum without hidden occurrences."""
 
     @property
     def agree(self) -> bool:
         """Whether the server's mass is one of our sums, up to rounding."""
-        tolerance = _RELATIVE_TOLERANCE * max(abs(self.theirs), abs(self.ours))
-        return min(abs(self.theirs - self.ours), abs(self.theirs - self.shown)) <= tolerance
+        tolerance = _RELATIVE_TOLERANCE * max(abs(self.onshape_mass), abs(self.sum_of_parts))
+        return (
+            min(abs(self.onshape_mass - self.sum_of_parts), abs(self.onshape_mass - self.sum_of_visible))
+            <= tolerance
+        )
 
     @property
     def excess(self) -> tuple[float, float]:
         """Returns theirs less ours [kg]: with hidden occurrences, and without."""
-        return self.theirs - self.ours, self.theirs - self.shown
+        return self.onshape_mass - self.sum_of_parts, self.onshape_mass - self.sum_of_visible
 
-    def as_before(self, excess: Sequence[float]) -> bool:
+    def differs_as_before(self, excess: Sequence[float]) -> bool:
         """Tells whether they differ by the same amount as when all replies were known to be current."""
-        tolerance = _RELATIVE_TOLERANCE * max(abs(self.theirs), abs(self.ours))
+        tolerance = _RELATIVE_TOLERANCE * max(abs(self.onshape_mass), abs(self.sum_of_parts))
         return any(abs(now - then) <= tolerance for now, then in zip(self.excess, excess, strict=True))
 
     def diagnostic(self, element: str, *, lasting: bool = False) -> Diagnostic:
@@ -56,15 +59,15 @@ class Masses:
 
         `lasting`: the same difference was found at an earlier state of the document.
         """
-        seen = (
+        state_text = (
             "the difference was the same when every part studio of the document was last fetched"
             if lasting
             else "every part studio of the document was fetched in its present state"
         )
         return Diagnostic(
             "W-VERIFY",
-            f"the parts weigh {self.ours:.9g} kg together, but Onshape gives the assembly a mass of "
-            f"{self.theirs:.9g} kg; {seen}",
+            f"the parts weigh {self.sum_of_parts:.9g} kg together, but Onshape gives the assembly a mass of "
+            f"{self.onshape_mass:.9g} kg; {state_text}",
             f"assembly {element}",
             "compare with the mass properties that Onshape shows for the assembly (overridden masses?); "
             "source.refresh=true fetches everything again, source.verify=false skips the comparison",
@@ -123,7 +126,10 @@ def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[StudioKey, str, bool
     """Yields (part studio, part id, hidden) of every part in the assembly, at any depth."""
     root = data["rootAssembly"]
     subs = {StudioKey.of(sub): sub for sub in data.get("subAssemblies") or ()}
-    by_id = {id(each): {i["id"]: i for i in each["instances"]} for each in (root, *subs.values())}
+    by_id = {
+        id(assembly_record): {i["id"]: i for i in assembly_record["instances"]}
+        for assembly_record in (root, *subs.values())
+    }
     for occurrence in root.get("occurrences") or ():
         owner: Mapping[str, Any] | None = root
         instance: Mapping[str, Any] | None = None

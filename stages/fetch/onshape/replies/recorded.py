@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 from linkwright.stages.fetch.onshape import definition, requests
 from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
-from linkwright.stages.fetch.onshape.replies.checks import accepted, compacted
+from linkwright.stages.fetch.onshape.replies.checks import cached_form, compact_triangles
 from linkwright.stages.fetch.onshape.replies.features import Owner
 from linkwright.stages.fetch.recording import Recording
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 
 
-class Recorded:
+class RecordedAnswers:
     """The replies of a recording. `where` names it in messages."""
 
     def __init__(self, recording: Recording, where: str) -> None:
@@ -33,15 +33,17 @@ class Recorded:
             recorded = definition.read(body)
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
-        named = (root["document"], root["microversion"], root["element"])
-        if (recorded.document, recorded.microversion, recorded.element) != named:
+        names_in_manifest = (root["document"], root["microversion"], root["element"])
+        if (recorded.document, recorded.microversion, recorded.element) != names_in_manifest:
             msg = f"the manifest names assembly {root['element']}, but the definition is of another assembly"
             raise SourceError(msg, self._where, "make the bundle again")
         pinned = requests.definition(
             root["document"], f"m/{root['microversion']}", root["element"], root["configuration"]
         )
-        filed = [request for request, name in recording.requests.items() if name == recording.definition]
-        return Reply(min(filed, default=pinned), body)
+        recorded_requests = [
+            request for request, name in recording.requests.items() if name == recording.definition
+        ]
+        return Reply(min(recorded_requests, default=pinned), body)
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         masses = [self._mass(need) for need in needs]
@@ -59,13 +61,17 @@ class Recorded:
         studio_reply = self._find(requests.mass_properties(need.studio, need.root))
         if studio_reply is not None:
             return (studio_reply,)
-        each = {part: self._find(requests.part_mass_properties(need.studio, part)) for part in need.parts}
-        lacking = [part for part, reply in each.items() if reply is None]
+        part_replies = {
+            part: self._find(requests.part_mass_properties(need.studio, part)) for part in need.parts
+        }
+        lacking = [part for part, reply in part_replies.items() if reply is None]
         if lacking:
-            parts = "any of its parts" if len(lacking) == len(each) else f"its parts {', '.join(lacking)}"
+            parts = (
+                "any of its parts" if len(lacking) == len(part_replies) else f"its parts {', '.join(lacking)}"
+            )
             msg = f"the bundle lacks the mass properties of part studio {need.studio.element} or of {parts}"
             raise SourceError(msg, self._where, "make the bundle again from a complete build")
-        return tuple(reply for reply in each.values() if reply is not None)
+        return tuple(reply for reply in part_replies.values() if reply is not None)
 
     def _triangles(self, need: Needs, mass: tuple[Reply, ...]) -> Reply | None:
         """Returns the tessellated faces, or else the glTF, in the compact form; None if neither is
@@ -75,7 +81,7 @@ class Recorded:
         if reply is None:
             return None
         try:
-            return Reply(reply.request, compacted(reply.request, reply.body, mass[0].body))
+            return Reply(reply.request, compact_triangles(reply.request, reply.body, mass[0].body))
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
 
@@ -87,7 +93,7 @@ class Recorded:
             return None
         body = recording.blobs[recording.requests[request]]
         try:
-            body = accepted(request, body)
+            body = cached_form(request, body)
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
         return Reply(request, body)

@@ -30,7 +30,7 @@ _XYZ = itemgetter("x", "y", "z")
 _BATCH = 4096
 """Number of facets that are converted to arrays together."""
 
-_CORNERS = 16
+_MAX_MEAN_CORNERS = 16
 """Mean number of corners of a facet above which a batch has fewer facets."""
 
 _HINT = "run the same command again; if it fails each time, the API has changed"
@@ -43,15 +43,17 @@ MAX_BODIES = 1 << 16
 
 
 @dataclass(slots=True)
-class Room:
-    """The memory left for a reply: a few bytes of text can describe many triangles."""
+class MemoryBudget:
+    """The numbers of triangles, points and bodies that a reply may still have: a few bytes of text can
+    describe many triangles."""
 
     triangles: int = MAX_TRIANGLES
     points: int = 3 * MAX_TRIANGLES
     bodies: int = MAX_BODIES
 
     def take(self, *, triangles: int = 0, points: int = 0, bodies: int = 0) -> None:
-        """Reserves memory before it is allocated. Raises Declined if too little is left."""
+        """Subtracts these numbers, before memory is allocated for them. Raises Declined if too few are
+        left."""
         self.triangles -= triangles
         self.points -= points
         self.bodies -= bodies
@@ -79,52 +81,54 @@ def read(reply: bytes) -> list[Body]:
 
     A composite part is its own triangles, or else those of its constituents.
     """
-    room = Room()
+    room = MemoryBudget()
     try:
         root = Document(reply).root()
-        record = root if isinstance(root, dict) else {}
-        records = record.get("bodies") if record else root
+        envelope = root if isinstance(root, dict) else {}
+        records = envelope.get("bodies") if envelope else root
         if not isinstance(records, list | json_stream.Pieces):
             msg = "the reply with triangles has no bodies"
             raise ProtocolError(msg, hint=_HINT)
-        shared = _points(record.get("facetPoints"), room)
+        shared = _points(envelope.get("facetPoints"), room)
         bodies, composites = [], dict[str, frozenset[str]]()
         for body in json_stream.elements(records):
             name = body.get("id") if isinstance(body, dict) else None
             if isinstance(name, str):
                 room.take(bodies=1)
-                bodies.append(_named(name, body, shared, room))
+                bodies.append(_checked_body(name, body, shared, room))
                 listing = json_stream.elements(body.get("constituents"))
                 composites[name] = frozenset(ident for ident in listing if isinstance(ident, str))
     except MalformedError as error:
         msg = f"the reply with triangles is not JSON, or was cut short: {error}"
         raise ProtocolError(msg, hint=_HINT) from None
-    solid = [body for body in bodies if len(body.triangles)]
-    return [_whole(body, composites[body.id], solid, room) for body in bodies]
+    bodies_with_triangles = [body for body in bodies if len(body.triangles)]
+    return [_with_constituents(body, composites[body.id], bodies_with_triangles, room) for body in bodies]
 
 
-def _whole(body: Body, constituents: frozenset[str], solid: Sequence[Body], room: Room) -> Body:
+def _with_constituents(
+    body: Body, constituents: frozenset[str], bodies_with_triangles: Sequence[Body], room: MemoryBudget
+) -> Body:
     """Returns a composite without triangles of its own with those of its constituents, and any other body
     unchanged."""
     if not constituents or len(body.triangles):
         return body
-    parts = [part for part in solid if part.id in constituents]
+    parts = [part for part in bodies_with_triangles if part.id in constituents]
     if not parts:
         return body
     for part in parts:
         room.take(triangles=len(part.triangles), points=len(part.points))
-    first = np.cumsum([0, *(len(part.points) for part in parts)])
-    shade = np.cumsum([0, *(len(part.palette) for part in parts)])
+    first_points = np.cumsum([0, *(len(part.points) for part in parts)])
+    first_colours = np.cumsum([0, *(len(part.palette) for part in parts)])
     return body_arrays.merged(
         body.id,
         np.concatenate([part.points for part in parts]),
-        np.concatenate([part.triangles + at for part, at in zip(parts, first, strict=False)]),
+        np.concatenate([part.triangles + offset for part, offset in zip(parts, first_points, strict=False)]),
         [colour for part in parts for colour in part.palette],
-        np.concatenate([part.colours + at for part, at in zip(parts, shade, strict=False)]),
+        np.concatenate([part.colours + offset for part, offset in zip(parts, first_colours, strict=False)]),
     )
 
 
-def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
+def _checked_body(name: str, record: _Record, shared: _Points, room: MemoryBudget) -> Body:
     try:
         return _body(name, record, shared, room)
     except MalformedError:
@@ -134,11 +138,11 @@ def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
         raise ProtocolError(msg, f"part {name}", _HINT) from error
 
 
-def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
+def _body(name: str, record: _Record, shared: _Points, room: MemoryBudget) -> Body:
     own_points = _points(record.get("facetPoints"), room)
     if not len(own_points):
         room.take(points=len(shared))
-    soup = _Soup(own_points if len(own_points) else shared, room)
+    soup = _FacetCollector(own_points if len(own_points) else shared, room)
     colours: list[Colour] = []
     for face in json_stream.elements(record.get("faces")):
         for facets in json_stream.runs(face.get("facets")):
@@ -147,13 +151,13 @@ def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
     return body_arrays.merged(name, *soup.joined(), colours, soup.faces())
 
 
-class _Soup:
-    """A body's facets as they are read, in batches: faces have few facets, arrays like many.
+class _FacetCollector:
+    """Collects the facets of a body in batches: faces have few facets, and arrays are efficient for many.
 
     `table` (n, 3): the points that indices refer to.
     """
 
-    def __init__(self, table: _Points, room: Room) -> None:
+    def __init__(self, table: _Points, room: MemoryBudget) -> None:
         self._room = room
         self._table = len(table)
         self._points, self._point_count = [table], len(table)
@@ -168,7 +172,7 @@ class _Soup:
         self._facets += facets
         self._face += [face] * len(facets)
         self._waiting += sum(len(facet.get("indices") or facet.get("vertices") or ()) for facet in facets)
-        if max(len(self._facets), self._waiting // _CORNERS) >= _BATCH:
+        if max(len(self._facets), self._waiting // _MAX_MEAN_CORNERS) >= _BATCH:
             self._flush()
 
     def joined(self) -> tuple[_Points, _Indices]:
@@ -203,10 +207,10 @@ class _Soup:
                 map(len, corners_of_facets), dtype=np.int64, count=len(corners_of_facets)
             )
             self._room.take(triangles=_triangles(own_lengths), points=int(own_lengths.sum()))
-            loose = _array(list(chain.from_iterable(corners_of_facets)))
-            self._keep(np.arange(self._point_count, self._point_count + len(loose)), own_lengths, face)
-            self._points.append(loose)
-            self._point_count += len(loose)
+            own_points = _array(list(chain.from_iterable(corners_of_facets)))
+            self._keep(np.arange(self._point_count, self._point_count + len(own_points)), own_lengths, face)
+            self._points.append(own_points)
+            self._point_count += len(own_points)
 
     def _keep(self, corners: _Indices, lengths: _Indices, face: _Indices) -> None:
         fan, owner = _fan(corners, lengths)
@@ -229,11 +233,11 @@ def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
     owner = np.repeat(np.arange(len(lengths)), counts)
     start = (np.cumsum(lengths) - lengths)[owner]
     step = np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
-    picks = np.stack([start, start + step + 1, start + step + 2], axis=1)
-    return corners[picks].reshape(-1, 3), owner
+    corner_indices = np.stack([start, start + step + 1, start + step + 2], axis=1)
+    return corners[corner_indices].reshape(-1, 3), owner
 
 
-def _points(records: Any, room: Room) -> _Points:
+def _points(records: Any, room: MemoryBudget) -> _Points:
     """Returns the points (n, 3) in an array of points, large or small."""
     pieces = [np.empty((0, 3))]
     for run in json_stream.runs(records):

@@ -17,27 +17,27 @@ import orjson
 _BLOCK = 1 << 19
 """Size of the blocks that are indexed one after the other [bytes]."""
 
-_RUN = 1 << 17
+_RUN_SIZE = 1 << 17
 """Size of the text whose elements are parsed together [bytes]."""
 
-_AT_ONCE = 1 << 23
+_MAX_PARSED = 1 << 23
 """Length up to which a value is parsed at once [bytes]; facets, and bodies without their lists, are
 shorter."""
 
 _MAX_DEPTH = 7
 """Depth of the innermost containers that are indexed."""
 
-_BYTES_EACH = 6
-"""Smallest text of an array or object [bytes], on average over a large text."""
+_MIN_MEAN_BYTES = 6
+"""Smallest mean length [bytes] of the arrays and objects of a large text."""
 
 _FREE_CONTAINERS = 1 << 16
 """Number of containers that any text may have, however short."""
 
 _ESCAPE = re.compile(rb"\\.", re.DOTALL)
-_CUT = "\0cut"  # no key of a reply: it marks where a large array was cut out
+_CUT_KEY = "\0cut"  # no key of a reply: it marks where a large array was cut out
 _SPACE = b" \t\r\n"
 _QUOTE, _OPEN, _CLOSE = 0x22, 0x7B, 0x7D
-_FOLD = 0x20  # turns [ and ] into { and }
+_FOLD_BIT = 0x20  # turns [ and ] into { and }
 
 _Index = npt.NDArray[np.uint32]
 
@@ -83,23 +83,23 @@ class Document:
         Small values are plain data; a large array is `Pieces`, and so are the large arrays in a large object.
         """
         text = self._text
-        if end - begin <= _RUN or depth >= _MAX_DEPTH:
-            return _parsed(text[begin:end])
+        if end - begin <= _RUN_SIZE or depth >= _MAX_DEPTH:
+            return _parse(text[begin:end])
         if text[begin : begin + 1] == b"[":
             return Pieces(self, depth, begin, end)
         skeleton: list[bytes] = []
         large: list[Any] = []
         copied = begin
         for first, last in self._within(depth + 1, begin, end):
-            if last - first > _RUN:
+            if last - first > _RUN_SIZE:
                 skeleton += [text[copied:first], b'{"\\u0000cut":%d}' % len(large)]
                 large.append(self.value(depth + 1, first, last))
                 copied = last
-        record = _parsed(b"".join([*skeleton, text[copied:end]]))
+        record = _parse(b"".join([*skeleton, text[copied:end]]))
         if not isinstance(record, dict):
             return record
         for key, value in record.items():
-            cut = value.get(_CUT) if isinstance(value, dict) else None
+            cut = value.get(_CUT_KEY) if isinstance(value, dict) else None
             if isinstance(cut, int) and 0 <= cut < len(large):
                 record[key] = large[cut]
         return record
@@ -111,22 +111,22 @@ class Document:
         them.
         """
         if next(self._within(depth + 1, begin, end), None) is None:
-            yield _parsed(self._text[begin:end])
+            yield _parse(self._text[begin:end])
             return
-        inside = begin + 1
-        group = inside
-        last = inside
+        first_element = begin + 1
+        group = first_element
+        last = first_element
         for first, close in self._within(depth + 1, begin, end):
             between = self._text[last:first].strip(_SPACE)
-            if between != (b"" if last == inside else b","):
+            if between != (b"" if last == first_element else b","):
                 msg = "an array has something else between its elements than a comma"
                 raise MalformedError(msg)
-            if close - first > _RUN:
+            if close - first > _RUN_SIZE:
                 if last > group:
                     yield self._run(group, last)
                 yield [self.value(depth + 1, first, close)]
                 group = close
-            elif close - group > _RUN and last > group:
+            elif close - group > _RUN_SIZE and last > group:
                 yield self._run(group, last)
                 group = last
             last = close
@@ -137,7 +137,7 @@ class Document:
             raise MalformedError(msg)
 
     def _run(self, begin: int, end: int) -> list[Any]:
-        run: list[Any] = _parsed(b"[" + self._text[begin:end].strip(_SPACE + b",") + b"]")
+        run: list[Any] = _parse(b"[" + self._text[begin:end].strip(_SPACE + b",") + b"]")
         return run
 
     def _within(self, depth: int, begin: int, end: int) -> Iterator[tuple[int, int]]:
@@ -161,8 +161,8 @@ def runs(value: Any) -> Iterable[list[Any]]:
     return [value] if isinstance(value, list) and value else []
 
 
-def _parsed(text: bytes) -> Any:
-    if len(text) > _AT_ONCE:
+def _parse(text: bytes) -> Any:
+    if len(text) > _MAX_PARSED:
         msg = f"a value of {len(text)} bytes is not made of lists"
         raise MalformedError(msg)
     try:
@@ -177,18 +177,18 @@ def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
     begins: list[list[_Index]] = [[] for _ in range(_MAX_DEPTH + 1)]
     ends: list[list[_Index]] = [[] for _ in range(_MAX_DEPTH + 1)]
     depth, quoted = 0, False
-    at = counted = 0
-    while at < len(text):
-        block = text[at : at + _BLOCK]
+    position = container_count = 0
+    while position < len(text):
+        block = text[position : position + _BLOCK]
         if b"\\" in block:
             # An escape that the block's end would cut in two is taken whole.
             trailing = len(block) - len(block.rstrip(b"\\"))
-            block = text[at : at + _BLOCK + trailing % 2]
+            block = text[position : position + _BLOCK + trailing % 2]
             block = _ESCAPE.sub(b"__", block)
-        depth, quoted = _scan(block, at, depth, quoted, begins, ends)
-        at += len(block)
-        counted += sum(len(pieces[-1]) for pieces in begins[1:])
-        if counted > max(_FREE_CONTAINERS, len(text) // _BYTES_EACH):
+        depth, quoted = _scan(block, position, depth, quoted, begins, ends)
+        position += len(block)
+        container_count += sum(len(pieces[-1]) for pieces in begins[1:])
+        if container_count > max(_FREE_CONTAINERS, len(text) // _MIN_MEAN_BYTES):
             msg = "it is made of brackets, with next to nothing in them"
             raise MalformedError(msg)
     if depth or quoted:
@@ -199,7 +199,7 @@ def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
 
 def _scan(
     block: bytes,
-    at: int,
+    offset: int,
     depth: int,
     quoted: bool,
     begins: list[list[_Index]],
@@ -208,13 +208,13 @@ def _scan(
     """Adds the containers of a block of the text; returns the depth after it, and whether it ends inside a
     text."""
     codes = np.frombuffer(block, dtype=np.uint8)
-    folded = codes | _FOLD
+    folded = codes | _FOLD_BIT
     opens = folded == _OPEN
     marks = np.flatnonzero(opens | (folded == _CLOSE))
     # A mark after an odd number of quotes is inside a text.
     quotes = np.flatnonzero(codes == _QUOTE)
-    inside = (np.searchsorted(quotes, marks) + int(quoted)) & 1
-    marks = marks[inside == 0]
+    is_quoted = (np.searchsorted(quotes, marks) + int(quoted)) & 1
+    marks = marks[is_quoted == 0]
     opening = opens[marks]
     depth_after = depth + np.cumsum(np.where(opening, 1, -1))
     if len(depth_after):
@@ -223,8 +223,8 @@ def _scan(
             raise MalformedError(msg)
         depth = int(depth_after[-1])
     for level in range(1, _MAX_DEPTH + 1):
-        begins[level].append((at + marks[opening & (depth_after == level)]).astype(np.uint32))
-        ends[level].append((at + 1 + marks[~opening & (depth_after == level - 1)]).astype(np.uint32))
+        begins[level].append((offset + marks[opening & (depth_after == level)]).astype(np.uint32))
+        ends[level].append((offset + 1 + marks[~opening & (depth_after == level - 1)]).astype(np.uint32))
     return depth, bool((len(quotes) + int(quoted)) & 1)
 
 

@@ -21,7 +21,7 @@ _MAX_PAIRS = 1 << 25
 _CENTROID_WEIGHT = 10.0
 """Cost of a centroid error of the mesh's own size."""
 
-_AXES = (
+_ROTATIONS = (
     np.eye(3),
     # In glTF y points up, in CAD z does; the fit shows which of both a server follows.
     np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
@@ -37,19 +37,19 @@ class BodyFigures:
     """The name of the mesh, which may be a part's id."""
 
     volume: float
-    """[m³]."""
+    """Volume [m³]."""
 
     area: float
-    """[m²]."""
+    """Surface area [m²]."""
 
     size: float
     """Size across [m]."""
 
     centroid: _Array | None
-    """(3,) [m]; None if it is not known."""
+    """Centroid (3,) [m]; None if it is not known."""
 
     gyration: _Array | None
-    """Inertia about the centroid by mass (3, 3) [m²]; None if it is not known."""
+    """Inertia about the centroid, divided by the mass (3, 3) [m²]; None if it is not known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,13 +60,13 @@ class Assignment:
     """Part → the index of its mesh."""
 
     rotation: _Array
-    """(3, 3), from the meshes' to the parts' frame."""
+    """Rotation (3, 3) from the meshes' frame to the parts'."""
 
-    certain: bool
-    """Whether that rotation fits clearly better than the others."""
+    is_certain: bool
+    """Whether this rotation fits clearly better than the others."""
 
 
-def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) -> Assignment:
+def assign_meshes(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) -> Assignment:
     """Assigns meshes to parts. A part has no mesh if none fits, or if several fit equally well.
 
     Raises ValueError if there are too many pairs of meshes and parts to try.
@@ -76,15 +76,15 @@ def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) ->
         raise ValueError(msg)
     names = sorted(parts)
     fits = []
-    for rotation in _AXES:
+    for rotation in _ROTATIONS:
         costs = _costs(meshes, [parts[name] for name in names], rotation)
         for row, mesh in enumerate(meshes):
             if mesh.name in parts:  # a mesh that is named by a part's id is that part
                 costs[row, names.index(mesh.name)] -= _MAX_COST
         pairs, total = _pairs(costs)
         fits.append((total, {names[part]: mesh for mesh, part in pairs}, rotation))
-    (total, pairing, rotation), *worse = sorted(fits, key=lambda fit: fit[0])
-    return Assignment(pairing, rotation, all(other[0] - total > _MIN_MARGIN for other in worse))
+    (total, pairing, rotation), *other_fits = sorted(fits, key=lambda fit: fit[0])
+    return Assignment(pairing, rotation, all(other[0] - total > _MIN_MARGIN for other in other_fits))
 
 
 def _costs(meshes: Sequence[BodyFigures], parts: Sequence[BodyFigures], rotation: _Array) -> _Array:
@@ -100,8 +100,8 @@ def _costs(meshes: Sequence[BodyFigures], parts: Sequence[BodyFigures], rotation
                 )
             if costs[row, column] < _MAX_COST and mesh.gyration is not None and part.gyration is not None:
                 difference = rotation @ mesh.gyration @ rotation.T - part.gyration
-                least = max(float(np.linalg.norm(part.gyration)), 1e-18)
-                costs[row, column] += float(np.linalg.norm(difference)) / least
+                part_norm = max(float(np.linalg.norm(part.gyration)), 1e-18)
+                costs[row, column] += float(np.linalg.norm(difference)) / part_norm
     return costs
 
 
@@ -118,16 +118,16 @@ def _pairs(costs: _Array) -> tuple[list[tuple[int, int]], float]:
         return [], 0.0
     bounded = np.minimum(costs, 1.0)
     rows, columns = scipy.optimize.linear_sum_assignment(bounded)
-    chosen = bounded[rows, columns]
+    pair_costs = bounded[rows, columns]
     # The growth of the sum when two pairs exchange partners, and when a pair takes a free mesh.
     swapped = bounded[np.ix_(rows, columns)]
-    grows = swapped + swapped.T - chosen[:, None] - chosen[None, :]
-    np.fill_diagonal(grows, np.inf)
-    clear = (grows > _MIN_MARGIN).all(axis=1)
-    free = np.setdiff1d(np.arange(len(costs)), rows)
-    clear &= (bounded[np.ix_(free, columns)] - chosen > _MIN_MARGIN).all(axis=0)
-    other = np.setdiff1d(np.arange(costs.shape[1]), columns)
-    clear &= (bounded[np.ix_(rows, other)] - chosen[:, None] > _MIN_MARGIN).all(axis=1)
-    kept = clear & (chosen < _MAX_COST)
-    pairs = zip(rows[kept].tolist(), columns[kept].tolist(), strict=True)
-    return [(int(row), int(column)) for row, column in pairs], float(chosen.sum())
+    cost_growth = swapped + swapped.T - pair_costs[:, None] - pair_costs[None, :]
+    np.fill_diagonal(cost_growth, np.inf)
+    is_clear = (cost_growth > _MIN_MARGIN).all(axis=1)
+    free_meshes = np.setdiff1d(np.arange(len(costs)), rows)
+    is_clear &= (bounded[np.ix_(free_meshes, columns)] - pair_costs > _MIN_MARGIN).all(axis=0)
+    free_parts = np.setdiff1d(np.arange(costs.shape[1]), columns)
+    is_clear &= (bounded[np.ix_(rows, free_parts)] - pair_costs[:, None] > _MIN_MARGIN).all(axis=1)
+    is_pair = is_clear & (pair_costs < _MAX_COST)
+    pairs = zip(rows[is_pair].tolist(), columns[is_pair].tolist(), strict=True)
+    return [(int(row), int(column)) for row, column in pairs], float(pair_costs.sum())

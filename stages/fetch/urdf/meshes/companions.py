@@ -1,5 +1,5 @@
-"""Reads the files that a mesh file names: an OBJ's materials, a glTF's buffers, the images of their
-colours."""
+"""Reads the files that a mesh file names: the materials of an OBJ, the buffers of a glTF, and the images of
+their materials."""
 
 from __future__ import annotations
 
@@ -56,25 +56,27 @@ def companions(path: Path, data: bytes, roots: Sequence[Path]) -> Companions:
     return Companions(files, _images(dict.fromkeys(images), dict.fromkeys(folders), [path.parent, *roots]))
 
 
-def _images(names: Iterable[str], folders: Iterable[Path], allowed: Sequence[Path]) -> dict[str, bytes | str]:
+def _images(
+    names: Iterable[str], folders: Iterable[Path], allowed_folders: Sequence[Path]
+) -> dict[str, bytes | str]:
     """Reads the images of a mesh, named relative to one of the folders."""
     contents: dict[str, bytes | str] = {}
     size = 0
     for name in islice(names, _MAX_IMAGES):
-        most = min(png.LARGEST, _LARGEST_IMAGES - size)
-        reads = [_content(allowed, folder, name, most) for folder in folders]
+        limit = min(png.LARGEST, _LARGEST_IMAGES - size)
+        reads = [_content(allowed_folders, folder, name, limit) for folder in folders]
         contents[name] = next((content for content in reads if isinstance(content, bytes)), reads[0])
         size += len(contents[name])
     return contents
 
 
-def _content(allowed: Sequence[Path], folder: Path, name: str, limit: int) -> bytes | str:
+def _content(allowed_folders: Sequence[Path], folder: Path, name: str, limit: int) -> bytes | str:
     """Returns the content of a file that is named relative to `folder`, or the reason why it is not read."""
     why = "there is no such file"
-    for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
+    for spelling in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
         try:
-            place = (folder / spelt).resolve()
-            if not any(place.is_relative_to(root.resolve()) for root in allowed):
+            place = (folder / spelling).resolve()
+            if not any(place.is_relative_to(root.resolve()) for root in allowed_folders):
                 why = "it is outside of the robot's folders"
                 continue
             return regular_files.content(place, limit)

@@ -16,7 +16,7 @@ MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)
 
 _MAGIC = b"glTF"
 _FLOAT = 5126
-_FIRST = "TEXCOORD_0"
+_FIRST_COORDINATES = "TEXCOORD_0"
 _EMBEDDED = "data:"
 _WHITE = [1.0, 1.0, 1.0, 1.0]
 _MAX_VALUES = 1 << 23
@@ -51,7 +51,7 @@ def unused_images(data: bytes) -> tuple[str, ...]:
         return ()
 
 
-def prepared(
+def prepare(
     data: bytes, files: Mapping[str, bytes], images: Mapping[str, Content]
 ) -> tuple[bytes, dict[str, tuple[str, Content]]]:
     """Returns a glTF that is ready for the mesh library, and the images of its materials.
@@ -59,12 +59,13 @@ def prepared(
     In the glTF, materials are named by their numbers and have their colours as screens show them; images are
     removed, and the texture coordinates of each material's colour come first. The second value maps the name
     of each material with a colour image to the image's name in messages, and its content or the reason why it
-    cannot be used. A file of ours is in the frame of its link, whichever axis is up in it.
+    cannot be used. A GLB that Linkwright wrote is in the frame of its link, so the rotation of its up axis is
+    removed.
 
     `files`, `images`: the buffers and images that the glTF names. Raises one of `MALFORMED`, or struct.error,
     if it cannot be read.
     """
-    text, rest = _split(data)
+    text, binary_part = _split(data)
     tree = json.loads(text)
     for node in tree["nodes"] if is_own(tree) else ():
         node.pop("rotation", None)
@@ -73,23 +74,23 @@ def prepared(
     for material, index, why in _uses(tree):
         record = tree["images"][index]
         if index not in contents:
-            contents[index] = _image(tree, record, rest, files, images)
+            contents[index] = _image(tree, record, binary_part, files, images)
         image_of_material[material] = (_name(record), why or contents[index])
     for index, record in enumerate(tree.get("materials") or ()):
         record["name"] = str(index)
-        look = record.get("pbrMetallicRoughness") or {}
+        material_colour = record.get("pbrMetallicRoughness") or {}
         if index in image_of_material:
-            look.setdefault("baseColorFactor", _WHITE)
-        if "baseColorFactor" in look:
-            *rgb, alpha = look["baseColorFactor"]
-            look["baseColorFactor"] = [*map(shown, rgb), alpha]
+            material_colour.setdefault("baseColorFactor", _WHITE)
+        if "baseColorFactor" in material_colour:
+            *rgb, alpha = material_colour["baseColorFactor"]
+            material_colour["baseColorFactor"] = [*map(shown, rgb), alpha]
     for mesh in tree.get("meshes") or ():
         for primitive in mesh.get("primitives") or ():
             if primitive.get("material") in image_of_material:
                 _choose_coordinates(primitive["attributes"], tree, primitive["material"])
     tree.pop("images", None)
     content = json.dumps(tree).encode()
-    content = _packed(content, rest) if data.startswith(_MAGIC) else content
+    content = _packed(content, binary_part) if data.startswith(_MAGIC) else content
     return content, {str(material): image for material, image in image_of_material.items()}
 
 
@@ -163,9 +164,9 @@ def _choose_coordinates(attributes: dict[str, Any], tree: _Record, material: int
     use = tree["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"]
     accessor = attributes.get(f"TEXCOORD_{use.get('texCoord', 0)}")
     if accessor is not None and tree["accessors"][accessor]["componentType"] == _FLOAT:
-        attributes[_FIRST] = accessor
+        attributes[_FIRST_COORDINATES] = accessor
     else:
-        attributes.pop(_FIRST, None)
+        attributes.pop(_FIRST_COORDINATES, None)
 
 
 def _root(data: bytes) -> dict[str, Any]:

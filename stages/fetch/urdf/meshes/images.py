@@ -11,11 +11,11 @@ from pathlib import PurePosixPath
 
 from linkwright.stages.fetch.urdf.meshes import gltf_materials, obj_materials
 
-_OF_COLLADA = re.compile(rb"<init_from>\s*(?:<ref>)?\s*([^<]+\.\w+)\s*<")
+_DAE_IMAGE = re.compile(rb"<init_from>\s*(?:<ref>)?\s*([^<]+\.\w+)\s*<")
 
 
 def images(data: bytes, kind: str, companions: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Returns the names of these images of a readable mesh file, sorted.
+    """Returns the names of the images of a readable mesh file that are not read, sorted.
 
     `kind`: the ending of the file's name; `companions`: the files that it names. An image inside of a glTF
     has its own name, or is "an image in it".
@@ -26,7 +26,7 @@ def images(data: bytes, kind: str, companions: Mapping[str, bytes]) -> tuple[str
             name for library in libraries for material in library for name in material.other_images
         )
     if kind == "dae":
-        return _sorted(name.decode("utf-8", "replace").strip() for name in _OF_COLLADA.findall(data))
+        return _sorted(name.decode("utf-8", "replace").strip() for name in _DAE_IMAGE.findall(data))
     if kind in ("gltf", "glb"):
         return gltf_materials.unused_images(data)
     return ()

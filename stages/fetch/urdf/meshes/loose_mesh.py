@@ -24,35 +24,39 @@ class LooseMesh:
     """Loose triangles with their colours and images."""
 
     points: npt.NDArray[np.float64]
-    """(n, 3) [m]."""
+    """Points (n, 3) [m]."""
 
     triangles: npt.NDArray[np.int64]
-    """(m, 3) indices into `points`, counter-clockwise seen from outside."""
+    """Indices (m, 3) into `points`, counter-clockwise seen from outside."""
 
     colours: tuple[Colour, ...]
     which: npt.NDArray[np.int64]
-    """(m,), the index of each triangle's colour."""
+    """Index of each triangle's colour (m,)."""
 
     textures: tuple[Texture | None, ...]
     """The image of each colour, or None."""
 
     texcoords: Texcoords | None
-    """(m, 3, 2): (u, v) of each corner, from the lower left corner of the image; NaN on triangles without
-    texture coordinates. None if no triangle has any."""
+    """Texture coordinates (u, v) of each corner (m, 3, 2), from the lower left corner of the image; NaN on
+    triangles without any. None if no triangle has any."""
 
     images: tuple[str, ...] = ()
     """The names of images that are not read."""
 
 
-def joined(pieces: Sequence[LooseMesh], scale: float) -> LooseMesh:
+def join_meshes(pieces: Sequence[LooseMesh], scale: float) -> LooseMesh:
     """Joins meshes (at least one), and scales the result by `scale`."""
-    first = np.cumsum([0, *(len(piece.points) for piece in pieces)])
-    shade = np.cumsum([0, *(len(piece.colours) for piece in pieces)])
+    first_points = np.cumsum([0, *(len(piece.points) for piece in pieces)])
+    first_colours = np.cumsum([0, *(len(piece.colours) for piece in pieces)])
     return LooseMesh(
         points=np.concatenate([piece.points for piece in pieces]) * scale,
-        triangles=np.concatenate([piece.triangles + at for piece, at in zip(pieces, first, strict=False)]),
+        triangles=np.concatenate(
+            [piece.triangles + offset for piece, offset in zip(pieces, first_points, strict=False)]
+        ),
         colours=tuple(colour for piece in pieces for colour in piece.colours),
-        which=np.concatenate([piece.which + at for piece, at in zip(pieces, shade, strict=False)]),
+        which=np.concatenate(
+            [piece.which + offset for piece, offset in zip(pieces, first_colours, strict=False)]
+        ),
         textures=tuple(texture for piece in pieces for texture in piece.textures),
         texcoords=_all_texcoords(pieces),
     )
@@ -72,7 +76,7 @@ def _all_texcoords(pieces: Sequence[LooseMesh]) -> Texcoords | None:
 
 
 def body(mesh: LooseMesh, key: str, scale: Vector, colour: Colour | None, image: str | None) -> Body:
-    """Returns the body of a mesh: scaled, and turned outside again if the scale mirrors it.
+    """Returns the body of a mesh: scaled, with its triangles reversed if the scale mirrors it.
 
     `image`: the digest of an image for all triangles that have texture coordinates; "" for the mesh's own
     images; None for no image at all. `colour`: the colour of all triangles without an image of the mesh's
@@ -95,11 +99,11 @@ def body(mesh: LooseMesh, key: str, scale: Vector, colour: Colour | None, image:
         (colour or WHITE, ""),
     ]
     which = mesh.which
-    textured: npt.NDArray[np.bool_] = np.array([bool(digest) for digest in own_images])[which]
+    is_textured: npt.NDArray[np.bool_] = np.array([bool(digest) for digest in own_images])[which]
     if image and texcoords is not None:
-        textured = np.asarray(np.isfinite(texcoords).all(axis=(1, 2)))
-        which = np.where(textured, len(own_images), which)
+        is_textured = np.asarray(np.isfinite(texcoords).all(axis=(1, 2)))
+        which = np.where(is_textured, len(own_images), which)
     if colour is not None:
-        which = np.where(textured, which, len(own_images) + 1)
+        which = np.where(is_textured, which, len(own_images) + 1)
     colours, digests = zip(*paints, strict=True)
     return merged(key, points, corners, colours, which, digests, texcoords)

@@ -23,8 +23,8 @@ from linkwright.stages.fetch.urdf.meshes import gltf_materials
 from linkwright.stages.fetch.urdf.meshes.companions import Companions
 from linkwright.stages.fetch.urdf.meshes.dae import cleaned
 from linkwright.stages.fetch.urdf.meshes.images import images
-from linkwright.stages.fetch.urdf.meshes.loose_mesh import WHITE, LooseMesh, Texcoords, joined
-from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, of_gltf, of_obj
+from linkwright.stages.fetch.urdf.meshes.loose_mesh import WHITE, LooseMesh, Texcoords, join_meshes
+from linkwright.stages.fetch.urdf.meshes.textures import NO_COORDINATES, Texture, gltf_textures, obj_textures
 from linkwright.stages.formats.damaged import Damaged
 from linkwright.stages.formats.meshes import gltf_claims
 from linkwright.stages.formats.meshes.body_arrays import distinct
@@ -39,7 +39,7 @@ _MAX_COLOURS = 16
 """Largest number of colours of a mesh: more are shading, and each would become a file."""
 
 _EMPTY = "it has no triangles"
-_LFS = b"version https://git-lfs"
+_LFS_POINTER = b"version https://git-lfs"
 _STL_HEAD, _STL_FACE = 84, 50
 """Sizes of a binary STL's header with the number of its triangles, and of a triangle [bytes]."""
 
@@ -59,16 +59,16 @@ def read(data: bytes, name: str, companions: Companions) -> LooseMesh:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            textures = of_obj(companions) if kind == "obj" else {}
-            content = _PREPARED.get(kind, bytes)(data)
+            textures = obj_textures(companions) if kind == "obj" else {}
+            content = _PREPARATIONS.get(kind, bytes)(data)
             if kind == "stl" and is_binary_stl(content):
                 return _of_binary_stl(content)
             if kind in ("gltf", "glb"):
                 gltf_claims.check_claims(data, companions.files)
-                content, gltf_images = gltf_materials.prepared(data, companions.files, companions.images)
-                textures = of_gltf(gltf_images)
+                content, gltf_images = gltf_materials.prepare(data, companions.files, companions.images)
+                textures = gltf_textures(gltf_images)
             scene = _scene(content, kind, companions.files)
-            pieces = [_placed(scene, node, textures) for node in scene.graph.nodes_geometry]
+            pieces = [_node_mesh(scene, node, textures) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
     except Unreadable:
         raise
@@ -79,14 +79,14 @@ def read(data: bytes, name: str, companions: Companions) -> LooseMesh:
     meshes = [piece for piece in pieces if piece is not None]
     if not meshes:
         raise Unreadable(_EMPTY)
-    return replace(joined(meshes, scale), images=images(data, kind, companions.files))
+    return replace(join_meshes(meshes, scale), images=images(data, kind, companions.files))
 
 
 def _require_content(data: bytes, kind: str) -> None:
     if not data:
         msg = "it is empty"
         raise Unreadable(msg)
-    if data.startswith(_LFS):
+    if data.startswith(_LFS_POINTER):
         msg = "it is a Git LFS pointer, not the file itself: run `git lfs pull` in its repository"
         raise Unreadable(msg)
     if kind == "dae":
@@ -106,7 +106,7 @@ def _require_content(data: bytes, kind: str) -> None:
             raise Unreadable(msg)
 
 
-def _whole(data: bytes) -> bytes:
+def _without_trailing_bytes(data: bytes) -> bytes:
     """Returns a binary STL without the extra bytes that some programs append."""
     if len(data) >= _STL_HEAD and not (data.lstrip().startswith(b"solid") and b"facet" in data[:2000]):
         size = _STL_HEAD + _STL_FACE * int.from_bytes(data[80:84], "little")
@@ -127,7 +127,7 @@ def _utf8(data: bytes) -> bytes:
     return data
 
 
-_PREPARED = {"stl": _whole, "obj": _utf8, "dae": cleaned}
+_PREPARATIONS = {"stl": _without_trailing_bytes, "obj": _utf8, "dae": cleaned}
 """Format → the function that prepares its bytes before they are read."""
 
 
@@ -167,13 +167,13 @@ def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
         return trimesh.load_scene(loaded)
     # trimesh keeps the order of an OBJ's points only by giving each point a single pair of texture
     # coordinates.
-    ordered = kind != "obj" or not re.search(rb"^vt\s", data, re.MULTILINE)
+    keeps_order = kind != "obj" or not re.search(rb"^vt\s", data, re.MULTILINE)
     return trimesh.load_scene(
-        io.BytesIO(data), file_type=kind, resolver=Beside(), process=False, maintain_order=ordered
+        io.BytesIO(data), file_type=kind, resolver=Beside(), process=False, maintain_order=keeps_order
     )
 
 
-def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh | None:
+def _node_mesh(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh | None:
     """Returns a node of a scene in the scene's frame; None if it has no triangles. `textures`: by
     material."""
     transform, name = scene.graph[node]
@@ -197,14 +197,14 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
     shades = _shades(shape)
     colours: tuple[Colour, ...]
     if shades is None:
-        colours, index = (NEUTRAL,), np.zeros(len(corners), dtype=np.int64)
+        colours, colour_indices = (NEUTRAL,), np.zeros(len(corners), dtype=np.int64)
     elif texture is not None and texture.image and texture.white:
-        colours, index = (WHITE,), np.zeros(len(corners), dtype=np.int64)
+        colours, colour_indices = (WHITE,), np.zeros(len(corners), dtype=np.int64)
     else:
-        distinct, which = np.unique(shades, axis=0, return_inverse=True)
-        colours = tuple(_colour(shade) for shade in distinct)
-        index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
-    return LooseMesh(points, corners, colours, index, (texture,) * len(colours), texcoords)
+        distinct_shades, inverse = np.unique(shades, axis=0, return_inverse=True)
+        colours = tuple(_colour(shade) for shade in distinct_shades)
+        colour_indices = inverse.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
+    return LooseMesh(points, corners, colours, colour_indices, (texture,) * len(colours), texcoords)
 
 
 def _of_binary_stl(data: bytes) -> LooseMesh:
@@ -234,16 +234,11 @@ def _texture(shape: Any, textures: Mapping[str, Texture]) -> Texture | None:
 
 def _texcoords(shape: Any, corners: npt.NDArray[np.int64]) -> Texcoords | None:
     """Returns the texture coordinates of the corners of a shape's triangles, or None."""
-    pairs_read = getattr(shape.visual, "uv", None)
-    if (
-        pairs_read is None
-        or np.ndim(pairs_read) != 2
-        or np.shape(pairs_read)[1] < 2
-        or len(pairs_read) != len(shape.vertices)
-    ):
+    uv = getattr(shape.visual, "uv", None)
+    if uv is None or np.ndim(uv) != 2 or np.shape(uv)[1] < 2 or len(uv) != len(shape.vertices):
         return None
     with np.errstate(over="ignore"):
-        pairs = np.asarray(pairs_read)[:, :2].astype(np.float32)
+        pairs = np.asarray(uv)[:, :2].astype(np.float32)
     return pairs[corners] if np.isfinite(pairs).all() else None
 
 

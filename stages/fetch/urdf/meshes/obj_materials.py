@@ -1,4 +1,4 @@
-"""Reads the materials of an OBJ: the MTL files that it names, and the images that these name."""
+"""Reads the materials of an OBJ: finds the names of its MTL files, and parses these with their images."""
 
 from __future__ import annotations
 

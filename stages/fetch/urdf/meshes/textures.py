@@ -32,7 +32,7 @@ class Texture:
     """The reason why the image is missing, or ""."""
 
     white: bool = False
-    """Whether the image gives the whole colour, as the material has no colour."""
+    """Whether the image is shown unchanged, since the material has no colour."""
 
     def without(self, why: str) -> Texture:
         """Returns the texture without its image, for this reason."""
@@ -53,7 +53,7 @@ def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
     return Texture(name, why=why) if why else Texture(name, content, sha256(content).hexdigest(), "", white)
 
 
-def of_obj(companions: Companions) -> dict[str, Texture]:
+def obj_textures(companions: Companions) -> dict[str, Texture]:
     """Returns the textures of an OBJ's materials, by the materials' names."""
     textures: dict[str, Texture] = {}
     for library in companions.files.values():
@@ -67,7 +67,7 @@ def of_obj(companions: Companions) -> dict[str, Texture]:
     return textures
 
 
-def of_gltf(images: Mapping[str, tuple[str, bytes | str]]) -> dict[str, Texture]:
+def gltf_textures(images: Mapping[str, tuple[str, bytes | str]]) -> dict[str, Texture]:
     """Returns the textures of a glTF's materials, by the materials' names; `images`: the names and contents
     of the images."""
     texture_of = {pair: texture(*pair) for pair in dict.fromkeys(images.values())}

@@ -13,7 +13,7 @@ from linkwright.stages.fetch.bundle.archive import pack, read
 from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.replies import features
 from linkwright.stages.fetch.onshape.replies.features import Owner
-from linkwright.stages.fetch.onshape.replies.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.bundle import StudioKey
 from linkwright.stages.robot.codec import encode_robot
@@ -163,12 +163,12 @@ def test_a_bundle_of_an_earlier_version_stays_as_it_was():
     with OnshapeServer(nested(), newest=16) as server:
         made = fetched(onshape(server.document_url()), environ=server.environ).bundle
     new = pack(made)
-    assert gather(Recorded(read(new, "new"), "new")).definition_api == "v17"
+    assert gather(RecordedAnswers(read(new, "new"), "new")).definition_api == "v17"
     with zipfile.ZipFile(io.BytesIO(new)) as archive:
         manifest = json.loads(archive.read("manifest.json"))
     assert (manifest["api"], manifest["definition_api"]) == ("v16", "v17")
     old = pack(dataclasses.replace(made, definition_api=""))
-    bundle = gather(Recorded(read(old, "old"), "old"))
+    bundle = gather(RecordedAnswers(read(old, "old"), "old"))
     assert (bundle.api, bundle.definition_api, len(bundle.features)) == ("v16", "", 3)
     with zipfile.ZipFile(io.BytesIO(pack(bundle))) as archive:
         assert "definition_api" not in json.loads(archive.read("manifest.json"))
@@ -216,7 +216,7 @@ def test_variables_are_asked_for_only_where_a_limit_names_one():
 def test_a_version_has_variables_and_a_microversion_has_none():
     with OnshapeServer(typed_arm(), newest=16) as server:
         version = fetched(onshape(server.document_url("v")), environ=server.environ)
-        again = gather(Recorded(read(pack(version.bundle), "zip"), "zip"))
+        again = gather(RecordedAnswers(read(pack(version.bundle), "zip"), "zip"))
         assert again == version.bundle
         assert [feature.variables is not None for feature in again.features] == [True, True]
         assert version.calls == 7

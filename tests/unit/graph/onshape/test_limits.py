@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape.gather import gather
-from linkwright.stages.fetch.onshape.replies.recorded import Recorded
+from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate
 from linkwright.stages.graph.onshape.mates.limits import with_limits
@@ -26,7 +26,7 @@ THIRTY = math.radians(30)
 
 
 def recorded(definition, replies):
-    return gather(Recorded(read(pack(definition, replies), "recording"), "recording"))
+    return gather(RecordedAnswers(read(pack(definition, replies), "recording"), "recording"))
 
 
 def arm_replies(change=None, old=False, variables=True, **typed):

@@ -37,7 +37,7 @@ def test_the_canonical_request_is_sent_as_it_is_with_basic_auth():
     server = reply(200, b"{}", X_Api_Version="v16", On_Version="1.218.0")
     with client_of(server) as (client, asked):
         assert client.get(MASS) == b"{}"
-        assert client.met == {"api": "v16", "release": "1.218.0"}
+        assert client.server_facts == {"api": "v16", "release": "1.218.0"}
     ((line, headers, _),) = asked
     assert line == f"GET /api/v16{MASS} HTTP/1.1"
     assert headers["authorization"] == "Basic dGhlLWFjY2Vzczp0aGUtc2VjcmV0"

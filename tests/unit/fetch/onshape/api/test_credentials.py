@@ -92,10 +92,14 @@ def test_signing_is_chosen_by_name(tmp_path):
 
 def test_a_ledgers_name_does_not_tell_the_key():
     key = Credentials("my-access", "my-secret")
-    assert len(key.who) == 16
-    assert key.who == Credentials("my-access", "another", "signature").who != Credentials("x", "y").who
-    assert "access" not in key.who
-    assert Credentials(kind="bearer", token="t").who == "bearer"
+    assert len(key.owner_id) == 16
+    assert (
+        key.owner_id
+        == Credentials("my-access", "another", "signature").owner_id
+        != Credentials("x", "y").owner_id
+    )
+    assert "access" not in key.owner_id
+    assert Credentials(kind="bearer", token="t").owner_id == "bearer"
 
 
 def test_the_key_is_in_neither_repr_nor_scrubbed_text():

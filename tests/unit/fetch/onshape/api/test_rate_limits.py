@@ -5,7 +5,7 @@ from time import monotonic, sleep
 
 import pytest
 
-from linkwright.stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from linkwright.stages.fetch.onshape.api.rate_limits import RateLimits, remaining_calls, retry_after
 from linkwright.stages.fetch.onshape.call_budget import Budget, allow
 from linkwright.stages.robot.errors import SourceError
 
@@ -13,7 +13,7 @@ from linkwright.stages.robot.errors import SourceError
 def test_a_closed_window_holds_back_its_own_kind_until_it_opens():
     stopped, waits, start = Event(), [], monotonic()
     stopped.wait = lambda seconds: waits.append(seconds) or sleep(seconds)
-    windows = Windows(10, stopped)
+    windows = RateLimits(10, stopped)
     assert windows.close("massproperties", 0.2)
     windows.wait("elements")
     assert waits == []
@@ -22,19 +22,19 @@ def test_a_closed_window_holds_back_its_own_kind_until_it_opens():
 
 
 def test_concurrent_waits_count_once_and_have_a_bound():
-    windows = Windows(10, Event())
+    windows = RateLimits(10, Event())
     assert all(windows.close(kind, 6) for kind in ("a", "b", "a"))
     assert windows.waited == pytest.approx(6, abs=0.1)
     assert windows.close("a", 9)
     assert windows.waited == pytest.approx(9, abs=0.1)
     assert not windows.close("b", 11)
-    assert not Windows(0, Event()).close("a", 0.001)
+    assert not RateLimits(0, Event()).close("a", 0.001)
     assert windows.waited == pytest.approx(9, abs=0.1)
 
 
 def test_a_stop_ends_a_wait():
     stopped = Event()
-    windows = Windows(1000, stopped)
+    windows = RateLimits(1000, stopped)
     windows.close("a", 900)
     thread = Thread(target=windows.wait, args=("a",), daemon=True)
     thread.start()
@@ -59,7 +59,7 @@ def test_a_wait_is_seconds_or_a_date_or_unknown():
 
 def test_the_calls_left_are_a_number_or_unknown():
     texts = [{"X-Rate-Limit-Remaining": "399"}, {"X-Rate-Limit-Remaining": "many"}, {}]
-    assert [left(headers) for headers in texts] == [399, None, None]
+    assert [remaining_calls(headers) for headers in texts] == [399, None, None]
 
 
 def test_calls_on_their_way_cannot_overdraw_together():

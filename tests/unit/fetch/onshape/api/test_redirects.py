@@ -54,8 +54,8 @@ def test_a_key_goes_nowhere_else(here, location):
 
 
 def test_a_post_follows_only_what_keeps_its_method():
-    assert [s for s in range(300, 400) if redirects.followed("GET", s)] == [301, 302, 303, 307, 308]
-    assert [s for s in range(300, 400) if redirects.followed("POST", s)] == [307, 308]
+    assert [s for s in range(300, 400) if redirects.must_follow("GET", s)] == [301, 302, 303, 307, 308]
+    assert [s for s in range(300, 400) if redirects.must_follow("POST", s)] == [307, 308]
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def document():
 def test_a_region_is_followed_with_its_key_and_remembered(document, environ, monkeypatch):
     """Only the first call for each of the two documents pays for the way; each stop is billed."""
     # Here both are this computer, and not Onshape's hosts.
-    monkeypatch.setattr(redirects, "_safe", lambda before, after: True)
+    monkeypatch.setattr(redirects, "_may_send_key", lambda before, after: True)
     with OnshapeServer(document) as region, OnshapeServer(document) as front:
         front.fault = lambda method, path, number: Fault(307, headers={"Location": region.url + path})
         outcome = fetched(onshape(front.document_url()), Kept(), environ)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import pytest
 
 from linkwright.stages.fetch.onshape import reply_sizes, requests
-from linkwright.stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
+from linkwright.stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, decompressed
 from linkwright.stages.fetch.onshape.replies.checks import check
 from linkwright.stages.fetch.onshape.triangles import faces, json_stream, matching
 from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
@@ -122,17 +122,17 @@ def test_gzip_of_one_member_or_several_is_unpacked(pieces):
     body = json.dumps({"bodies": list(range(50_000))}).encode()
     packed = gzip.compress(body[:1000]) + gzip.compress(b"") + gzip.compress(body[1000:])
     cut = [packed[at : at + pieces] for at in range(0, len(packed), pieces)]
-    assert b"".join(unpacked(cut, "gzip")) == body
-    assert b"".join(unpacked(cut, "")) == packed
-    assert max(map(len, unpacked([bomb(16 * MB)], "gzip"))) <= 1 << 18
+    assert b"".join(decompressed(cut, "gzip")) == body
+    assert b"".join(decompressed(cut, "")) == packed
+    assert max(map(len, decompressed([bomb(16 * MB)], "gzip"))) <= 1 << 18
 
 
 def test_a_harmed_body_is_reported():
     for harmed in (BODY[:-1], BODY[:-9], BODY[:3], b"no gzip at all", BODY + b"and more"):
         with pytest.raises(DamagedError):
-            list(unpacked([harmed], "gzip"))
+            list(decompressed([harmed], "gzip"))
     with pytest.raises(UnknownEncodingError, match="gzip, gzip"):
-        unpacked([BODY], "gzip, gzip")
+        decompressed([BODY], "gzip, gzip")
 
 
 def peak_of(refused):
@@ -172,7 +172,7 @@ def test_a_text_that_is_nested_without_end_is_refused():
 
 
 def test_few_triangles_that_are_many_are_refused(monkeypatch):
-    monkeypatch.setattr(faces.Room.__init__, "__defaults__", (1000, 3000, 20))
+    monkeypatch.setattr(faces.MemoryBudget.__init__, "__defaults__", (1000, 3000, 20))
     point = '{"x": 0, "y": 0, "z": 0}'
 
     def body(name, facets, **more):
@@ -230,4 +230,4 @@ def test_bodies_and_parts_beyond_counting_are_refused(monkeypatch):
     monkeypatch.setattr(matching, "_MAX_PAIRS", 5)
     shape = matching.BodyFigures("", 1.0, 1.0, 1.0, None, None)
     with pytest.raises(ValueError, match="3 bodies and 2 parts"):
-        matching.assigned([shape] * 3, {"A": shape, "B": shape})
+        matching.assign_meshes([shape] * 3, {"A": shape, "B": shape})

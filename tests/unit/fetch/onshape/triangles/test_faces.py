@@ -41,7 +41,7 @@ values = st.recursive(
 def test_a_text_read_in_pieces_is_what_it_is_read_at_once(value, run, block, spaced):
     text = json.dumps(value, ensure_ascii=False, indent=1 if spaced else None).encode()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(json_stream, "_RUN", run)
+        patch.setattr(json_stream, "_RUN_SIZE", run)
         patch.setattr(json_stream, "_BLOCK", block)
         assert plain(Document(text).root()) == value
 
@@ -54,7 +54,7 @@ def test_a_harmed_text_is_refused_or_read_as_json(data):
     changed = text[:cut] + data.draw(st.sampled_from([b"", b"]", b"}", b'"', b",", b"\\"])) + text[cut + 1 :]
     for harmed in (text[:cut], changed):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(json_stream, "_RUN", 8)
+            patch.setattr(json_stream, "_RUN_SIZE", 8)
             patch.setattr(json_stream, "_BLOCK", 16)
             try:
                 value = plain(Document(harmed).root())
@@ -107,10 +107,10 @@ def test_pieces_of_any_size_give_the_same_bytes_everywhere(monkeypatch):
     whole = [faces.compact(reply) for reply in replies]
     assert whole[0] == whole[1]
     for run in (40, 200, 3000):
-        monkeypatch.setattr(json_stream, "_RUN", run)
+        monkeypatch.setattr(json_stream, "_RUN_SIZE", run)
         monkeypatch.setattr(faces, "_BATCH", run // 40)
         assert [faces.compact(reply) for reply in replies] == whole
-    monkeypatch.setattr(json_stream, "_RUN", 8)
+    monkeypatch.setattr(json_stream, "_RUN_SIZE", 8)
     with pytest.raises(MalformedError, match="does not end after its last element"):
         plain(Document(b"[[1, 2, 3], [4, 5, 6],]").root())
     compact = faces.compact(lattice(2, 3, "table"))

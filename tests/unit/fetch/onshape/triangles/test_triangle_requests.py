@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.fetch.bundle.archive import pack
-from linkwright.stages.fetch.onshape.asking.triangle_requests import selected
+from linkwright.stages.fetch.onshape.asking.triangle_requests import parts_to_request
 from linkwright.stages.formats import triangles
 from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.robot.errors import Offline, ProtocolError, QuotaExhausted
@@ -44,14 +44,14 @@ def test_used_parts_alone_are_asked_for_among_many(used, unused, some, kept):
 def test_parts_that_are_no_solids_are_not_asked_for_by_id():
     record = {"volume": [1.0, 1.0, 1.0]}
     mass = json.dumps({"bodies": {f"P{i}": record for i in range(40)}}).encode()
-    assert selected(["P1", "P2"], mass) == ("P1", "P2")
-    assert selected(["P1", "Q"], mass) == ()
-    assert selected(["P1"], None) == ()
+    assert parts_to_request(["P1", "P2"], mass) == ("P1", "P2")
+    assert parts_to_request(["P1", "Q"], mass) == ()
+    assert parts_to_request(["P1"], None) == ()
     flat = {"bodies": {f"P{i}": record | ({"volume": [0.0] * 3} if i == 1 else {}) for i in range(40)}}
-    assert selected(["P1", "P2"], json.dumps(flat).encode()) == ()
+    assert parts_to_request(["P1", "P2"], json.dumps(flat).encode()) == ()
     many = json.dumps({"bodies": {f"P{i}": record for i in range(900)}}).encode()
-    assert len(selected([f"P{i}" for i in range(200)], many)) == 200
-    assert selected([f"P{i}" for i in range(201)], many) == ()  # a request line has its bounds
+    assert len(parts_to_request([f"P{i}" for i in range(200)], many)) == 200
+    assert parts_to_request([f"P{i}" for i in range(201)], many) == ()  # a request line has its bounds
 
 
 def test_a_kept_reply_for_all_parts_serves_for_some():
