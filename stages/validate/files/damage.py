@@ -14,11 +14,11 @@ def damage(path: Path) -> str:
     data = path.read_bytes()
     if not data:
         return "is empty"
-    check = _CHECKS.get(path.suffix.lower())
-    return "" if check is None else check(data)
+    damage_of = _DAMAGE_BY_ENDING.get(path.suffix.lower())
+    return "" if damage_of is None else damage_of(data)
 
 
-def _stl(data: bytes) -> str:
+def _stl_damage(data: bytes) -> str:
     if data.lstrip()[:5].lower() == b"solid" and b"facet" in data[:1000].lower():
         return "" if b"endsolid" in data[-1000:].lower() else "is cut short: it has no endsolid"
     if len(data) < STL_HEADER + 4:
@@ -33,42 +33,54 @@ def _stl(data: bytes) -> str:
     return "" if np.isfinite(faces["corners"]).all() else "has points that are not finite"
 
 
-def _obj(data: bytes) -> str:
-    points, faces, largest_index = data.count(b"\nv ") + data.startswith(b"v "), 0, 0
+def _obj_damage(data: bytes) -> str:
+    point_count = data.count(b"\nv ") + data.startswith(b"v ")
+    face_count, largest_index = 0, 0
     for line in data.splitlines():
         if line.startswith(b"f "):
-            faces += 1
+            face_count += 1
             try:
                 largest_index = max(largest_index, *(int(word.split(b"/")[0]) for word in line.split()[1:]))
             except (ValueError, TypeError):
                 return "has a face that cannot be read"
         elif line.startswith(b"v ") and (b"nan" in line.lower() or b"inf" in line.lower()):
             return "has points that are not finite"
-    if not points or not faces:
+    if not point_count or not face_count:
         return "has no triangles"
-    return f"is cut short: a face has point {largest_index} of {points}" if largest_index > points else ""
+    return (
+        f"is cut short: a face has point {largest_index} of {point_count}"
+        if largest_index > point_count
+        else ""
+    )
 
 
-def _png(data: bytes) -> str:
+def _png_damage(data: bytes) -> str:
     if not data.startswith(b"\x89PNG\r\n\x1a\n"):
-        return "is no PNG"
+        return "is not a PNG"
     return "" if b"IEND" in data[-16:] else "is cut short: it has no end"
 
 
-def _glb(data: bytes) -> str:
+def _glb_damage(data: bytes) -> str:
     if len(data) < 12 or data[:4] != b"glTF":
         return "is not a binary glTF"
     (length,) = struct.unpack_from("<I", data, 8)
     return "" if len(data) >= length else f"is cut short: {length} bytes, it has {len(data)}"
 
 
-def _xml(data: bytes) -> str:
+def _xml_damage(data: bytes) -> str:
     try:
         parse(data, large=True)
     except Malformed as error:
-        return f"is no XML: {error.place}"
+        return f"is not XML: {error.place}"
     return ""
 
 
-_CHECKS = {".stl": _stl, ".obj": _obj, ".png": _png, ".glb": _glb, ".dae": _xml}
-"""Ending of a file's name → check."""
+_DAMAGE_BY_ENDING = {
+    ".stl": _stl_damage,
+    ".obj": _obj_damage,
+    ".png": _png_damage,
+    ".glb": _glb_damage,
+    ".dae": _xml_damage,
+}
+"""Extension of a file → the function that returns a text on the damage of its content; "" without
+damage."""

@@ -6,23 +6,34 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from linkwright.stages.formats.meshes.points import STL_FACE, STL_HEADER
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_and_rewritten
 from linkwright.stages.robot.system.install import install
 from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 
-MAX_FACES = 200_000
+MAX_STL_FACES = 200_000
 """Largest number of faces of an STL that MuJoCo reads."""
 
 WRITER_PRECISION = 1e-5
 """Relative precision of MuJoCo's own writer, which writes six digits."""
 
-SOURCES = ("damping", "friction", "armature", "effort", "velocity")
+QUANTITIES_WITH_PROVENANCE = ("damping", "friction", "armature", "effort", "velocity")
+"""Quantities of a dof for which robot.json must say where their value comes from."""
 
 PUBLISHED_FILES = ("README.md", "LICENSE")
 """Further files of a published model, except its picture, which a build draws at its end."""
 
-COUNTS = ("nq", "nv", "nu", "nbody", "ngeom", "neq", "nsite", "nkey", "nexclude")
-ARRAYS = ("body_mass", "body_inertia", "body_pos", "jnt_range", "dof_armature", "geom_size", "key_qpos")
+REWRITTEN_COUNTS = ("nq", "nv", "nu", "nbody", "ngeom", "neq", "nsite", "nkey", "nexclude")
+REWRITTEN_ARRAYS = (
+    "body_mass",
+    "body_inertia",
+    "body_pos",
+    "jnt_range",
+    "dof_armature",
+    "geom_size",
+    "key_qpos",
+)
+"""Numbers of elements, and arrays, of a model that must stay the same when MuJoCo writes and reads it."""
 
 
 def compiles(finished: FinishedRobot) -> Iterator[str]:
@@ -66,9 +77,11 @@ def assets(finished: FinishedRobot) -> Iterator[str]:
         if first != path.name:
             yield f"{path.name} is the same as {first}"
         if path.suffix == ".stl":
-            faces = int.from_bytes(data[80:84], "little")
-            if len(data) != 84 + 50 * faces or not 0 < faces <= MAX_FACES:
-                yield f"{path.name} is no binary STL of 1 to {MAX_FACES:,} faces: mesh.visual.max_faces"
+            start = STL_HEADER + 4
+            faces = int.from_bytes(data[STL_HEADER:start], "little")
+            if len(data) != start + STL_FACE.itemsize * faces or not 0 < faces <= MAX_STL_FACES:
+                expected = f"a binary STL of 1 to {MAX_STL_FACES:,} faces"
+                yield f"{path.name} is not {expected}: mesh.visual.max_faces"
     if not digests:
         raise NotApplicable("there are no meshes")
 
@@ -104,11 +117,11 @@ def round_trip(finished: FinishedRobot) -> Iterator[str]:
     except NotCompiled as error:
         yield f"what MuJoCo writes of it does not compile: {error}"
         return
-    for key in COUNTS:
+    for key in REWRITTEN_COUNTS:
         if getattr(first, key) != getattr(second, key):
             yield f"what MuJoCo writes of it has {getattr(second, key)} in {key}, not {getattr(first, key)}"
             return
-    for key in ARRAYS:
+    for key in REWRITTEN_ARRAYS:
         before, after = getattr(first, key), getattr(second, key)
         difference = float(np.abs(before - after).max(initial=0.0))
         if difference > WRITER_PRECISION * max(1.0, float(np.abs(before).max(initial=0.0))):
@@ -122,7 +135,9 @@ def provenance(finished: FinishedRobot) -> Iterator[str]:
         yield "write robot.json, which says where each parameter comes from"
     for dof in (dof for joint in tree.get("joints", ()) for dof in joint.get("dofs", ())):
         sources = dof.get("provenance", {})
-        missing = [name for name in SOURCES if dof.get(name) is not None and not sources.get(name)]
+        missing = [
+            name for name in QUANTITIES_WITH_PROVENANCE if dof.get(name) is not None and not sources.get(name)
+        ]
         if missing:
             yield f"say where the {', '.join(missing)} of {dof['name']} come from"
     missing_files = [name for name in PUBLISHED_FILES if not (finished.folder / name).exists()]

@@ -142,7 +142,7 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
         except FileTooLarge:
             return refused(node, f"is longer than {MAX_XML_BYTES >> 20} MB")
         except Malformed as error:
-            return refused(node, f"is no XML: {error.place}")
+            return refused(node, f"is not XML: {error.place}")
         included.update(dict.fromkeys(other.iter(), place))
         return other
 

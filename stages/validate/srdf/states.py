@@ -28,23 +28,29 @@ def states(read: ReadSrdf) -> Iterator[Finding]:
                 yield Finding(element, "name", "is missing")
     for node in read.root.findall("group_state"):
         if node.get("group") in read.groups:
-            values = {joint.get("name", ""): _value(joint) for joint in node.findall("joint")}
-            yield from _joints(read, node, values)
+            values = {joint.get("name", ""): _joint_value(joint) for joint in node.findall("joint")}
+            yield from _joint_findings(read, node, values)
             pose = poses[node.get("name")] if node.get("name") in names else None
-            yield from _within(read, node, values) if pose is None else _at(read, node, values, pose)
+            if pose is None:
+                yield from _values_beyond_limits(read, node, values)
+            else:
+                yield from _differences_from_pose(read, node, values, pose)
 
 
-def _joints(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
+def _joint_findings(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
+    """Yields the joints that a pose lacks, or must not have, and values that are not numbers."""
     moved_joints = read.moved_by(node.get("group", ""))
     for joint in sorted((moved_joints ^ values.keys()) & read.chains.joints.keys()):
-        message = "has no value" if joint in moved_joints else "is no joint of the group that moves"
+        message = "has no value" if joint in moved_joints else "is not a moving joint of the group"
         yield Finding(state(node), f"joint {joint}", message)
     for joint, value in values.items():
         if not math.isfinite(value):
-            yield Finding(state(node), f"joint {joint} value", "is no number")
+            yield Finding(state(node), f"joint {joint} value", "is not a number")
 
 
-def _at(read: ReadSrdf, node: Element, values: Mapping[str, float], pose: Configuration) -> Iterator[Finding]:
+def _differences_from_pose(
+    read: ReadSrdf, node: Element, values: Mapping[str, float], pose: Configuration
+) -> Iterator[Finding]:
     """Yields the values that differ from a pose of the robot."""
     balls: dict[str, list[tuple[str, float]]] = {}
     for joint, value in values.items():
@@ -57,18 +63,19 @@ def _at(read: ReadSrdf, node: Element, values: Mapping[str, float], pose: Config
         elif abs(value - expected) > ENGINE_TOLERANCE * max(1.0, abs(expected)):
             yield differs(state(node), f"joint {joint} value", value, expected)
     order = list(read.chains.joints)
-    for name, turns in balls.items():
-        turns.sort(key=lambda turn: order.index(turn[0]))  # about x, then y, then z
+    for name, ball_joints in balls.items():
+        # A ball is three joints in a row, which turn about x, then y, then z.
+        ball_joints.sort(key=lambda row: order.index(row[0]))
         pose_of_ball = np.eye(4)
-        for (_, angle), axis in zip(turns, np.eye(3), strict=False):
+        for (_, angle), axis in zip(ball_joints, np.eye(3), strict=False):
             pose_of_ball = pose_of_ball @ motion("turn", axis, angle)
         difference = distance(pose_of_ball, motion("ball", np.zeros(3), pose[name]))
-        if len(turns) == 3 and difference > ENGINE_TOLERANCE:
+        if len(ball_joints) == 3 and difference > ENGINE_TOLERANCE:
             message = f"is turned by {shown(math.degrees(difference))} degrees from where the robot has it"
-            yield Finding(state(node), f"joint {turns[0][0]} value", message)
+            yield Finding(state(node), f"joint {ball_joints[0][0]} value", message)
 
 
-def _within(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
+def _values_beyond_limits(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
     """Yields the values beyond limits in a pose that the user added."""
     for joint, value in values.items():
         step = read.chains.joints.get(joint)
@@ -78,7 +85,8 @@ def _within(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Itera
             yield Finding(state(node), f"joint {joint} value", message)
 
 
-def _value(node: Element) -> float:
+def _joint_value(node: Element) -> float:
+    """Returns the value of a `<joint>`; NaN if it is missing or not a number."""
     try:
         return float(node.get("value", ""))
     except ValueError:

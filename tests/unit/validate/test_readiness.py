@@ -114,7 +114,7 @@ def test_file_twice_and_one_that_is_no_stl(copy):
     by_number = verdicts(*copy)
     assert by_number[25][0] == MISSING
     assert "b.stl is the same as a.stl" in by_number[25][1]
-    assert "a.stl is no binary STL" in by_number[25][1]
+    assert "a.stl is not a binary STL" in by_number[25][1]
     assert "nothing uses assets/a.stl" in by_number[3][1]
 
 
