@@ -65,8 +65,8 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
             return marker.body
         if mechanism.root is not None:
             return mechanism.root
-        fixed = [number for number, body in enumerate(bodies) if body.fixed_reason]
-        return heaviest(mechanism, fixed or range(len(bodies)))
+        fixed_bodies = [number for number, body in enumerate(bodies) if body.fixed_reason]
+        return heaviest(mechanism, fixed_bodies or range(len(bodies)))
     if select == "central":
         graph = nx.Graph()
         graph.add_nodes_from(range(len(bodies)))

@@ -196,8 +196,8 @@ def _disconnected_error(
     return Disconnected(msg, hint=hint, problems=problems)
 
 
-def _count_and_verb(number: int, thing: str) -> str:
-    return f"{count(number, thing)} {'is' if number == 1 else 'are'}"
+def _count_and_verb(number: int, noun: str) -> str:
+    return f"{count(number, noun)} {'is' if number == 1 else 'are'}"
 
 
 def _report_island(mechanism: Mechanism, island: list[int], keys: RootSection, log: Diagnostics) -> None:
@@ -215,9 +215,9 @@ def _island_tree(
     are empty if islands are dropped."""
     if keys.disconnected == "drop":
         return [], []
-    fixed = [body for body in island if mechanism.bodies[body].fixed_reason]
+    fixed_bodies = [body for body in island if mechanism.bodies[body].fixed_reason]
     floating_joint = [body for body in island if mechanism.bodies[body].floating_joint is not None]
-    head = heaviest(mechanism, fixed or floating_joint or island)
+    head = heaviest(mechanism, fixed_bodies or floating_joint or island)
     order, edges = _walk(graph, head)
     replacement: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
     return order, [Edge(root, head, None, replacement), *edges]

@@ -40,11 +40,11 @@ def _missing_mesh_reports(link: Link, findings: Sequence[tuple[Part, PartFinding
     names = sorted(part.name for part, finding in findings if not finding.found)
     if not names:
         return []
-    shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+    name_text = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
     return [
         Diagnostic(
             "W-NO-MESH",
-            f"no triangles for {len(names)} of {count(len(findings), 'part')}: {shown}",
+            f"no triangles for {len(names)} of {count(len(findings), 'part')}: {name_text}",
             link.name,
             "check in Onshape that each is a solid without errors",
         )
@@ -75,12 +75,12 @@ def _decimation_reports(links: Sequence[Link], visuals: Mapping[str, LinkVisuals
             error_in_mm = f"{1e3 * decimation.error:.2g} mm"
             entries.append(f"{link.name} {decimation.before} → {decimation.after} ({error_in_mm})")
     if entries:
-        rest = f" and {len(entries) - _MAX_LISTED} more" if len(entries) > _MAX_LISTED else ""
+        more = f" and {len(entries) - _MAX_LISTED} more" if len(entries) > _MAX_LISTED else ""
         problems.append(
             Diagnostic(
                 "I-DECIMATED",
                 f"the visual meshes of {count(len(entries), 'link')} have fewer triangles than their parts; "
-                f"their surfaces moved by at most the lengths here: {', '.join(entries[:_MAX_LISTED])}{rest}",
+                f"their surfaces moved by at most the lengths here: {', '.join(entries[:_MAX_LISTED])}{more}",
                 "mesh.visual.max_faces",
                 "raise it for more detail",
             )

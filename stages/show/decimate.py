@@ -52,7 +52,7 @@ class Simplifiable:
         # Late: a part from the cache needs no library that makes colliders or decimates.
         from manifold3d import Error, Manifold, Mesh64
 
-        points, triangles, sources = _closed(surface)
+        points, triangles, sources = _closed_manifold(surface)
         # A run of triangles for each colour: an edge between two runs only moves along its own line.
         runs = np.where(sources < 0, colours, colour_of[sources])
         order = np.argsort(runs, kind="stable")
@@ -91,7 +91,7 @@ def _rounded(points: Points, surface: Surface) -> Points:
     return np.asarray(np.round(points / step) * step + 0.0, dtype=np.float64) if step else points
 
 
-def _closed(surface: Surface) -> tuple[Points, Triangles, npt.NDArray[np.int64]]:
+def _closed_manifold(surface: Surface) -> tuple[Points, Triangles, npt.NDArray[np.int64]]:
     """Returns points and triangles of a closed manifold that contains the surface, and for each triangle its
     index in the surface, or -1 if it closes a border."""
     if _is_manifold(surface):

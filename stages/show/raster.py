@@ -53,7 +53,7 @@ def nearest_triangles(corners: Corners, width: int, height: int) -> Indices:
     span = float(depth.max(initial=-np.inf)) - low
     step = _LEVELS / span if span > 0 else 0.0
     for batch in _batches(corners, _with_centres(corners)):
-        triangle, row, column, near = _covered(corners[batch], width, height)
+        triangle, row, column, near = _covered_pixels(corners[batch], width, height)
         entry = np.clip((near - low) * step, 0, _LEVELS).astype(np.int64)
         entry <<= _TRIANGLE_BITS
         entry |= batch[triangle]
@@ -84,25 +84,25 @@ def _with_centres(corners: Corners) -> Indices:
     return np.flatnonzero(contains)
 
 
-def _batches(corners: Corners, which: Indices) -> Iterator[Indices]:
+def _batches(corners: Corners, triangle_indices: Indices) -> Iterator[Indices]:
     """Yields batches of triangles whose pixels fit into memory."""
-    batch = (np.cumsum(_boxes(corners[which])) // _MAX_BATCH).astype(np.int64)
-    yield from np.split(which, np.flatnonzero(np.diff(batch)) + 1)
+    batch = (np.cumsum(_boxes(corners[triangle_indices])) // _MAX_BATCH).astype(np.int64)
+    yield from np.split(triangle_indices, np.flatnonzero(np.diff(batch)) + 1)
 
 
-def _covered(corners: Corners, width: int, height: int) -> tuple[Indices, Indices, Indices, Numbers]:
+def _covered_pixels(corners: Corners, width: int, height: int) -> tuple[Indices, Indices, Indices, Numbers]:
     """Returns the pixels whose centres are in a triangle: triangle, row, column, and nearness to the viewer.
 
     Each row of pixels is filled between the places where it enters and leaves the triangle.
     """
     top, middle, bottom = _downwards(corners)
-    owner, row = _between(top[1], bottom[1], height)
+    owner, row = _pixels_between(top[1], bottom[1], height)
     y = row + corners.dtype.type(0.5)
     long_edge_x = _Edge(top, bottom).at(owner, y)
     short_edges_x = np.where(
         y < middle[1][owner], _Edge(top, middle).at(owner, y), _Edge(middle, bottom).at(owner, y)
     )
-    span, column = _between(
+    span, column = _pixels_between(
         np.minimum(long_edge_x, short_edges_x), np.maximum(long_edge_x, short_edges_x), width
     )
     owner, row = owner[span], row[span]
@@ -123,9 +123,12 @@ def _downwards(corners: Corners) -> tuple[Places, Places, Places]:
 
 def _sorted_by_height(start: Places, end: Places) -> tuple[Places, Places]:
     """Returns both places, the higher one first."""
-    below = start[1] > end[1]
+    is_below = start[1] > end[1]
     first, second = (
-        tuple(np.where(below, swapped, kept) for kept, swapped in zip(*pair, strict=True))
+        tuple(
+            np.where(is_below, second_values, first_values)
+            for first_values, second_values in zip(*pair, strict=True)
+        )
         for pair in ((start, end), (end, start))
     )
     return (first[0], first[1]), (second[0], second[1])
@@ -140,13 +143,13 @@ class _Edge:
         self._slope = np.divide(end[0] - start[0], down, out=np.zeros_like(down), where=down > 0)
         self._down = down
 
-    def at(self, which: Indices, y: Numbers) -> Numbers:
+    def at(self, edge_indices: Indices, y: Numbers) -> Numbers:
         """Returns the places where these edges cross the rows at `y`."""
-        down_on_edge = np.clip(y - self._start[1][which], 0.0, self._down[which])
-        return np.asarray(self._start[0][which] + down_on_edge * self._slope[which])
+        down_on_edge = np.clip(y - self._start[1][edge_indices], 0.0, self._down[edge_indices])
+        return np.asarray(self._start[0][edge_indices] + down_on_edge * self._slope[edge_indices])
 
 
-def _between(start: Numbers, end: Numbers, side: int) -> tuple[Indices, Indices]:
+def _pixels_between(start: Numbers, end: Numbers, side: int) -> tuple[Indices, Indices]:
     """Returns the interval of each pixel whose centre is in an interval from `start` to `end`, and the
     pixel."""
     first = np.clip(np.ceil(start - 0.5), 0, side).astype(np.int32)

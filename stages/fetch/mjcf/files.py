@@ -93,11 +93,11 @@ def survey(path: Path) -> ModelFiles:
     return ModelFiles(digests, tuple(texts))
 
 
-def _possible_paths(home: Path, naming_folder: Path, folder: str, name: str) -> Iterator[Path]:
+def _possible_paths(model_folder: Path, naming_folder: Path, folder: str, name: str) -> Iterator[Path]:
     """Yields the possible paths of a file: from the model's folder, from the folder of the file that names
     it, and both without the path in its name (`strippath`)."""
     for text in {name, PurePath(name.replace("\\", "/")).name} - {""}:
-        yield from (Path(os.path.normpath(start / folder / text)) for start in {home, naming_folder})
+        yield from (Path(os.path.normpath(start / folder / text)) for start in {model_folder, naming_folder})
 
 
 def _values(pattern: re.Pattern[str], text: str) -> Iterator[str]:

@@ -71,6 +71,6 @@ def allow(more: int, made: int, limit: int, before: int | None = None) -> None:
         return
     needs = f"made {count(made, 'call')} and needs {more} more" if made else f"needs {count(more, 'call')}"
     msg = f"this {spender} {needs}, but source.max_calls is {limit}"
-    kept = "; what was fetched is kept" if made else ""
-    hint = f"set source.max_calls={made + more} or more{kept}"
+    note = "; what was fetched is kept" if made else ""
+    hint = f"set source.max_calls={made + more} or more{note}"
     raise SourceError(msg, "source.max_calls", hint)

@@ -25,7 +25,7 @@ class ConfiguredAddress:
         self._client = client
         self._subject = f"/documents/d/{url.document}/{url.pin}/e/{url.element}#configuration"
 
-    def at(self, pin: str) -> AssemblyUrl:
+    def address_at(self, pin: str) -> AssemblyUrl:
         """Returns the address at a version or microversion. Raises SourceError with the invalid values."""
         body = self._client.reply(self._request(pin))
         if not self._url.pinned:
@@ -41,7 +41,7 @@ class ConfiguredAddress:
         """
         began = time.time()
         with self._client.lock(self._subject):
-            recalled = self._known()
+            recalled = self._known_address()
             body = b"" if recalled else self._parameters()
             url = recalled or self._address_with(body)
             workspace = Workspace(url, self._client)
@@ -49,14 +49,14 @@ class ConfiguredAddress:
             microversion = workspace.current(force=force, asked_since=began)
             if not recalled:
                 self._client.keep(self._request(f"m/{microversion}"), body)
-            return self.at(f"m/{microversion}"), then, microversion
+            return self.address_at(f"m/{microversion}"), then, microversion
 
     def _parameters(self) -> bytes:
         """Returns the present parameters of the workspace, while no build has changed its variables."""
         with self._client.undisturbed():
             return self._client.uncached_reply(self._request(self._url.pin))
 
-    def _known(self) -> AssemblyUrl | None:
+    def _known_address(self) -> AssemblyUrl | None:
         """Returns the address by the parameters of the last build, if they allow the values."""
         microversion = self._client.recall(self._subject).get("microversion")
         body = self._client.lookup(self._request(f"m/{microversion}")) if microversion else None

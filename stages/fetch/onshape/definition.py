@@ -37,7 +37,7 @@ def read(body: bytes) -> Definition:
         used_parts: dict[StudioKey, set[str]] = {}
         for instance in _part_instances(root, data.get("subAssemblies") or ()):
             used_parts.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
-        solid = {
+        solid_bodies = {
             (StudioKey.of(part), part.get("partId"))
             for part in data.get("parts") or ()
             if part.get("bodyType") == "solid"
@@ -48,7 +48,7 @@ def read(body: bytes) -> Definition:
             element=_text(root, "elementId"),
             parts={key: tuple(sorted(used_parts[key])) for key in sorted(used_parts)},
             solids={
-                key: tuple(sorted(p for p in used_parts[key] if (key, p) in solid))
+                key: tuple(sorted(p for p in used_parts[key] if (key, p) in solid_bodies))
                 for key in sorted(used_parts)
             },
         )

@@ -246,12 +246,12 @@ class _Files:
         """Reports I-MESH-FOUND for files that were found elsewhere: a diagnostic for each folder."""
         groups: dict[tuple[str, str], list[str]] = {}
         for name, file in self._moved.items():
-            shown = PurePosixPath(self._survey.files.name_in_messages(file))
+            shown_path = PurePosixPath(self._survey.files.name_in_messages(file))
             named = PurePosixPath(name.replace("\\", "/"))
-            if shown.name == named.name:
-                pair = (_folder(name), f"{shown.parent}/")
+            if shown_path.name == named.name:
+                pair = (_folder(name), f"{shown_path.parent}/")
             else:
-                pair = (name, str(shown))
+                pair = (name, str(shown_path))
             groups.setdefault(pair, []).append(named.name)
         return [
             Diagnostic("I-MESH-FOUND", _moved(named, there, files), self._survey.document)

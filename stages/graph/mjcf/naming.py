@@ -20,20 +20,20 @@ def names_of(
     mjcf: Mjcf,
     closure_joints: Sequence[ClosureJoint],
     joining: Collection[ClosureJoint],
-    hidden: Collection[str],
+    hidden_sites: Collection[str],
     log: Diagnostics,
 ) -> MjcfFileNames:
     """Keeps the file's own names wherever they can stay; reports W-NAME for each that changes.
 
-    `joining`: the closure joints that become joints of the tree. `hidden`: names of the sites that are no
-    frames.
+    `joining`: the closure joints that become joints of the tree. `hidden_sites`: names of the sites that are
+    no frames.
     """
     namer = Namer()
     namer.reserve(name for section in mjcf.extras.scene for name in _names_in(section))
     bodies = list(enumerate(mjcf.bodies))[1:]
     links = namer.keep("link", ((number, body.name) for number, body in bodies))
     dofs = namer.keep("joint", _dofs(mjcf))
-    frames = namer.keep("frame", _sites(mjcf, hidden))
+    frames = namer.keep("frame", _sites(mjcf, hidden_sites))
     equalities = namer.keep("equality", _equalities(mjcf, closure_joints))
     namer.report(log)
     # Unnamed elements are named once all names in the file are known.
@@ -78,10 +78,10 @@ def _proposed_dofs(mjcf: Mjcf, links: Mapping[int, str]) -> Iterator[tuple[tuple
         yield (number, index), f"{links[number]}_joint" + (f"_{index + 1}" if has_several else "")
 
 
-def _sites(mjcf: Mjcf, hidden: Collection[str]) -> Iterator[tuple[tuple[int, int], str]]:
+def _sites(mjcf: Mjcf, hidden_sites: Collection[str]) -> Iterator[tuple[tuple[int, int], str]]:
     for number, body in enumerate(mjcf.bodies):
         for index, site in enumerate(body.sites):
-            if site.name not in hidden:
+            if site.name not in hidden_sites:
                 yield (number, index), site.name
 
 

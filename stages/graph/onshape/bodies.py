@@ -112,18 +112,18 @@ class _Merger:
 
         That may join the parts on two frames into one body, so it is repeated until nothing changes.
         """
-        waiting = sorted(self.leaves, key=len, reverse=True)
-        while waiting:
+        unmerged = sorted(self.leaves, key=len, reverse=True)
+        while unmerged:
             loose_frames = []
-            for path in waiting:
+            for path in unmerged:
                 body = self.rigid[self.leaves[path][0]]
                 if all(self.rigid[leaf] == body for leaf in self.leaves[path]):
                     self.rigid.union(path, body)
                 else:
                     loose_frames.append(path)
-            if len(loose_frames) == len(waiting):
+            if len(loose_frames) == len(unmerged):
                 return
-            waiting = loose_frames[::-1]  # a chain that this order ran against is then done in a single pass
+            unmerged = loose_frames[::-1]  # a chain that this order ran against is then done in a single pass
 
     def is_idle(self, mate: Mate) -> bool:
         """Tells whether a mate of a movable type has both sides in one body."""

@@ -15,8 +15,8 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
     them. Reports I-HIDDEN.
     Raises AssemblyError if no part is left.
     """
-    hidden = sorted((o for o in assembly.occurrences.values() if o.hidden), key=lambda o: o.path)
-    hidden_paths = {occurrence.path for occurrence in hidden}
+    hidden_occurrences = sorted((o for o in assembly.occurrences.values() if o.hidden), key=lambda o: o.path)
+    hidden_paths = {occurrence.path for occurrence in hidden_occurrences}
     if not hidden_paths:
         return assembly
 
@@ -42,7 +42,7 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
         patterns=[pattern for pattern in assembly.patterns if pattern.owner in remaining_paths],
     )
     check_parts(visible, "show a part of it, or set hidden: keep")
-    titles = [o.title for o in hidden if stays(o.path[:-1])]
+    titles = [o.title for o in hidden_occurrences if stays(o.path[:-1])]
     remainder = [f"{len(titles) - MAX_LISTED} more"] if len(titles) > MAX_LISTED else []
     mates = len(assembly.mates) - len(visible.mates)
     log.report(

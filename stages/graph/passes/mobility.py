@@ -153,10 +153,10 @@ def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordi
         elif dof.kind == "slide":
             yield Coordinate(dof.name, zero, axis, pose[:3, 3])
         else:
-            for across in pose_after[:3, :3].T:
-                yield Coordinate(dof.name, across, zero, pose_after[:3, 3])
-            for along in pose_after[:3, :3].T if dof.kind == "free" else ():
-                yield Coordinate(dof.name, zero, along, pose_after[:3, 3])
+            for spin_axis in pose_after[:3, :3].T:
+                yield Coordinate(dof.name, spin_axis, zero, pose_after[:3, 3])
+            for shift_axis in pose_after[:3, :3].T if dof.kind == "free" else ():
+                yield Coordinate(dof.name, zero, shift_axis, pose_after[:3, 3])
         pose = pose_after
 
 
@@ -230,8 +230,8 @@ def _locked_twists(ring: _Ring, reach: float) -> Array:
     if not ring.closure:
         return np.eye(6)
     # The left singular vectors behind those of the free twists are orthogonal to these.
-    free = _twists(ring.closure, ring.point, reach)
-    basis: Array = np.linalg.svd(free)[0][:, free.shape[1] :].T
+    free_twists = _twists(ring.closure, ring.point, reach)
+    basis: Array = np.linalg.svd(free_twists)[0][:, free_twists.shape[1] :].T
     return basis
 
 

@@ -53,8 +53,8 @@ def with_relations(
         )
     relations.sort(key=lambda relation: relation.follower)
     _report_limits(relations, dofs, log)
-    moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
-    return replace(_with_moved_parts(moved, dofs), relations=tuple(relations))
+    robot_at_saved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
+    return replace(_with_moved_parts(robot_at_saved, dofs), relations=tuple(relations))
 
 
 def _with_moved_parts(robot: Robot, dofs_before: Mapping[str, Dof]) -> Robot:

@@ -118,13 +118,13 @@ def _converted_dof(dof: Dof, count: MateValue) -> Dof:
     if count == AS_THE_MATE:
         return dof
     at_zero = motion(dof.kind, dof.axis, count.zero)
-    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), mate_value=count)
+    converted = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), mate_value=count)
     if not isinstance(dof.saved, float):
-        return replace(moved, saved=at_rest(dof.kind))
+        return replace(converted, saved=at_rest(dof.kind))
     limits = dof.limits.mapped(count.sign, count.inverse(0.0))
     axis = frozen(count.sign * dof.axis + 0.0)
     spring = dof.spring and replace(dof.spring, reference=count.inverse(dof.spring.reference))
-    return replace(moved, axis=axis, limits=limits, saved=count.inverse(dof.saved), spring=spring)
+    return replace(converted, axis=axis, limits=limits, saved=count.inverse(dof.saved), spring=spring)
 
 
 def _converted_relation(

@@ -192,13 +192,13 @@ def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
         joints_below.setdefault(joint.parent, []).append(joint)
     children = {joint.child for joint in urdf.joints}
     poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
-    waiting = list(poses)
-    while waiting:
-        parent = waiting.pop()
+    pending = list(poses)
+    while pending:
+        parent = pending.pop()
         for joint in joints_below.get(parent, ()):
             motion = chain(dofs[joint.name], {dof.name: dof.saved for dof in dofs[joint.name]})
             poses[joint.child] = poses[parent] @ joint.parent_from_joint @ motion
-            waiting.append(joint.child)
+            pending.append(joint.child)
     return poses
 
 

@@ -256,14 +256,14 @@ class SrdfReader:
     def _disabled(self) -> Iterator[DisabledPair]:
         """Yields the pairs of links that have bodies. A body has the shapes of the links that are frames of
         it, so collisions with each of these must be disabled."""
-        solid: dict[str, list[str]] = {}
+        links_of_body: dict[str, list[str]] = {}
         for name, link in self.links.items():
             if link.collisions or link.visuals:
-                solid.setdefault(self.carrier[name], []).append(name)
-        reasons = self._reasons([name for names in solid.values() for name in names])
+                links_of_body.setdefault(self.carrier[name], []).append(name)
+        reasons = self._reasons([name for names in links_of_body.values() for name in names])
         bodies = dict.fromkeys(tuple(sorted({self.carrier[name] for name in pair})) for pair in reasons)
         for a, b in (pair for pair in bodies if len(pair) == 2):
-            shapes = solid.get(a, []), solid.get(b, [])
+            shapes = links_of_body.get(a, []), links_of_body.get(b, [])
             is_comparable = len(shapes[0]) * len(shapes[1]) <= len(reasons)
             pairs = [frozenset(pair) for pair in product(*shapes)] if is_comparable else []
             disabled = [DisabledPair(a, b, reasons[pair]) for pair in pairs if pair in reasons]
@@ -273,21 +273,21 @@ class SrdfReader:
             elif touching or not is_comparable:
                 self.left_out.append(f"disabled collisions of only a part of {a} with {b}")
 
-    def _reasons(self, solid: Sequence[str]) -> dict[frozenset[str], str]:
-        """Returns the reasons of disabled collisions by pair of links. `solid`: the links that have bodies,
-        with which the default of a link disables its collisions, unless they are enabled."""
+    def _reasons(self, links_with_bodies: Sequence[str]) -> dict[frozenset[str], str]:
+        """Returns the reasons of disabled collisions by pair of links. `links_with_bodies`: the links that
+        have bodies, with which the default of a link disables its collisions, unless they are enabled."""
         reasons: dict[frozenset[str], str] = {}
         for first, second, reason in self.srdf.disabled:
             if len(list(self._known_names(self.links, "link", (first, second), "disabled collisions"))) == 2:
                 reasons.setdefault(frozenset((first, second)), reason)
         default_links = dict.fromkeys(self.srdf.disabled_links)
         links = list(self._known_names(self.links, "link", default_links, "disabled default collisions"))
-        if len(links) * len(solid) > MAX_DISABLED_PAIRS:
+        if len(links) * len(links_with_bodies) > MAX_DISABLED_PAIRS:
             self.left_out.append(
                 f"disabled default collisions, which are more than {MAX_DISABLED_PAIRS} pairs"
             )
             return reasons
-        pairs = dict.fromkeys(frozenset((link, partner)) for link in links for partner in solid)
+        pairs = dict.fromkeys(frozenset((link, partner)) for link in links for partner in links_with_bodies)
         enabled = {frozenset(pair) for pair in self.srdf.enabled}
         return dict.fromkeys((pair for pair in pairs if pair not in enabled), DEFAULT_REASON) | reasons
 

@@ -20,7 +20,7 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     """
     links = {link.name for link in urdf.links}
     link_list = f"links are: {name_list(links)}"
-    valid_joints = [joint for joint in urdf.joints if _ends_are_there(joint, links, link_list, log)]
+    valid_joints = [joint for joint in urdf.joints if _has_both_ends(joint, links, link_list, log)]
     _check_parents(valid_joints, log)
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(links)
@@ -42,16 +42,16 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     _check_mimics(urdf, log)
 
 
-def _ends_are_there(joint: UrdfJoint, links: set[str], link_list: str, log: Diagnostics) -> bool:
-    missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
-    if missing:
-        text = f"these do not exist: its {' and '.join(missing)}"
+def _has_both_ends(joint: UrdfJoint, links: set[str], link_list: str, log: Diagnostics) -> bool:
+    missing_ends = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
+    if missing_ends:
+        text = f"these do not exist: its {' and '.join(missing_ends)}"
         log.report("E-URDF-LINK", text, joint.name, link_list)
     elif joint.parent == joint.child:
         text = f"it joins the link {joint.parent!r} to itself"
         log.report("E-URDF-SELF", text, joint.name, "name two different links")
         return False
-    return not missing
+    return not missing_ends
 
 
 def _ends(joint: UrdfJoint) -> Iterable[tuple[str, str]]:

@@ -64,8 +64,8 @@ def fit_end(
 ) -> tuple[list[Chunk], End]:
     """Returns the pieces of a link that meets the world, and how near they are to the link."""
     tolerance = default_tolerance(surface.diagonal)
-    outside = ReachableSurface.of(surface, tolerance)
-    out, chunks = _fitted(starts, outside, tolerance, settings.max_vertices)
+    reachable = ReachableSurface.of(surface, tolerance)
+    out, chunks = _fit(starts, reachable, tolerance, settings.max_vertices)
     judge = Judge.of(surface)
     measures = None
     if isinstance(judge, Judge):
@@ -73,8 +73,8 @@ def fit_end(
     return chunks, End(tolerance, out.p95, out.most, measures)
 
 
-def _fitted(
-    starts: Sequence[Sequence[Chunk]], outside: ReachableSurface, tolerance: float, max_vertices: int
+def _fit(
+    starts: Sequence[Sequence[Chunk]], reachable: ReachableSurface, tolerance: float, max_vertices: int
 ) -> _State:
     """Returns pieces that stand out of the link by at most `tolerance` [m] with 95 % of their outer surface,
     cut from the first of the `starts` that leads to such pieces; if no start does, the best pieces found."""
@@ -82,7 +82,7 @@ def _fitted(
     for plane_count, start in product(_MEASURED_PLANES, starts):
         if best and plane_count != _MEASURED_PLANES[0] and best[0].p95 > _MIN_HOPELESS_TOLERANCES * tolerance:
             break
-        state = _cut(start, outside, tolerance, max_vertices, plane_count)
+        state = _cut(start, reachable, tolerance, max_vertices, plane_count)
         if best is None or state[0].p95 < best[0].p95:
             best = state
         if state[0].p95 <= tolerance:
@@ -92,7 +92,11 @@ def _fitted(
 
 
 def _cut(
-    chunks: Sequence[Chunk], outside: ReachableSurface, tolerance: float, max_vertices: int, plane_count: int
+    chunks: Sequence[Chunk],
+    reachable: ReachableSurface,
+    tolerance: float,
+    max_vertices: int,
+    plane_count: int,
 ) -> _State:
     """Cuts again and again the piece with the largest area outside the tolerance; returns the pieces, and how
     far they stand out."""
@@ -101,13 +105,13 @@ def _cut(
     faces = planes.flat_faces(join_surfaces([chunk.surface for chunk in chunks]))
 
     def halves(chunk: Chunk) -> list[Chunk]:
-        return [] if chunk.is_final else _halves(chunk, faces, outside, max_vertices, plane_count)
+        return [] if chunk.is_final else _halves(chunk, faces, reachable, max_vertices, plane_count)
 
     for current in cut_costliest(chunks, lambda _: states[-1][0].far, halves):
         for chunk in current:
             if chunk not in sampled:
-                sampled[chunk] = outside.sampled(chunk.piece)
-        out = outside.protrusion([sampled[chunk] for chunk in current])
+                sampled[chunk] = reachable.sampled(chunk.piece)
+        out = reachable.protrusion([sampled[chunk] for chunk in current])
         states.append((out, current))
         if (
             out.p95 <= tolerance
@@ -115,8 +119,8 @@ def _cut(
             or _stalls([out.p95 for out, _ in states], tolerance)
         ):
             break
-    least = min(out.p95 for out, _ in states)
-    largest_p95 = tolerance if least <= tolerance else _MAX_RATIO_TO_BEST * least
+    least_p95 = min(out.p95 for out, _ in states)
+    largest_p95 = tolerance if least_p95 <= tolerance else _MAX_RATIO_TO_BEST * least_p95
     return next(state for state in states if state[0].p95 <= largest_p95)
 
 
@@ -128,7 +132,7 @@ def _stalls(p95s: Sequence[float], tolerance: float) -> bool:
 
 
 def _halves(
-    chunk: Chunk, faces: list[planes.Plane], outside: ReachableSurface, max_vertices: int, plane_count: int
+    chunk: Chunk, faces: list[planes.Plane], reachable: ReachableSurface, max_vertices: int, plane_count: int
 ) -> list[Chunk]:
     """Cuts a piece in two that stand out as little as possible. Only the `plane_count` planes that leave the
     least volume are compared; the result is empty if no plane reduces the volume."""
@@ -150,7 +154,7 @@ def _halves(
         if len(sides_and_hulls) < len(sides):
             continue  # a flat side would be bare
         plane_count -= 1
-        out = round(sum(outside.sampled(hull).volume for _, hull in sides_and_hulls), 15)
+        out = round(sum(reachable.sampled(hull).volume for _, hull in sides_and_hulls), 15)
         if out < best[0]:
             best = out, sides_and_hulls
     halves = [Chunk.of_hull(*side_and_hull, max_vertices, chunk.collider_index) for side_and_hull in best[1]]

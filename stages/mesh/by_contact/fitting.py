@@ -63,21 +63,21 @@ class EndFitter:
 
     def fitted(self, ends: Sequence[EndToFit]) -> list[FittedEnd]:
         """Fits each end. The second process begins with the largest, since this one may have other work."""
-        done: dict[int, FittedEnd] = {}
+        fits_by_index: dict[int, FittedEnd] = {}
         sizes = [len(end.surface.triangles) for end in ends]
-        waiting = deque(sorted(range(len(ends)), key=lambda number: (sizes[number], number)))
+        pending = deque(sorted(range(len(ends)), key=lambda number: (sizes[number], number)))
 
         def work(next_end: Callable[[], int], fit: Callable[[EndToFit], FittedEnd]) -> None:
             with suppress(IndexError):  # raised when no end is waiting
                 while True:
                     number = next_end()
-                    done[number] = fit(ends[number])
+                    fits_by_index[number] = fit(ends[number])
 
-        second_process = self._pool.submit(work, waiting.pop, self._fitted_by_guest) if self._guest else None
-        work(waiting.popleft, EndToFit.fitted)
+        second_process = self._pool.submit(work, pending.pop, self._fitted_by_guest) if self._guest else None
+        work(pending.popleft, EndToFit.fitted)
         if second_process is not None:
             second_process.result()
-        return [done[number] for number in range(len(ends))]
+        return [fits_by_index[number] for number in range(len(ends))]
 
     @staticmethod
     def _start(guest: Guest) -> None:

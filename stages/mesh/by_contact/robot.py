@@ -197,11 +197,11 @@ def _pairs(
         places = relative(
             poses[near_pair.first_link][near_pair.rows], poses[near_pair.second_link][near_pair.rows]
         )
-        home = near_pair.rows == 0
+        is_home = near_pair.rows == 0
         kept_rows = []
         for row, pose in enumerate(collision_engine.poses(places)):
             if collision_engine.depth(first.solid, second.solid, pose) <= (
-                HOME_MARGIN if home[row] else OVERLAP_MARGIN - _HULL_SLACK
+                HOME_MARGIN if is_home[row] else OVERLAP_MARGIN - _HULL_SLACK
             ):
                 continue
             for number in (near_pair.first_link, near_pair.second_link):
@@ -209,13 +209,13 @@ def _pairs(
                     meshes[number] = collision_engine.mesh(
                         surfaces[number].vertices, surfaces[number].triangles
                     )
-            margin = HOME_MESH_MARGIN if home[row] else MESH_MARGIN
+            margin = HOME_MESH_MARGIN if is_home[row] else MESH_MARGIN
             if not collision_engine.near(
                 meshes[near_pair.first_link], meshes[near_pair.second_link], pose, margin
             ):
                 kept_rows.append(row)
         if kept_rows:
-            at_home = home[kept_rows]
+            at_home = is_home[kept_rows]
             allowed_depths = np.where(at_home, HOME_MARGIN, OVERLAP_MARGIN)
             row = int(at_home.argmax()) if at_home.any() else -1
             yield LinkPair(
@@ -237,10 +237,10 @@ def _false_pairs(
     for pair in search.pairs:
         depths = search.excess_depths(pair)
         if pair.badness(depths) > pair.max_false_poses:
-            home = pair.false_at_home(depths)
-            share = (int(np.count_nonzero(depths)) - home) / count
+            is_home = pair.false_at_home(depths)
+            share = (int(np.count_nonzero(depths)) - is_home) / count
             names = bodies[pair.first_link].link, bodies[pair.second_link].link
-            pairs.append(FalsePair(*names, round(share, 4), home, round(float(depths.max()), 6)))
+            pairs.append(FalsePair(*names, round(share, 4), is_home, round(float(depths.max()), 6)))
     return tuple(pairs)
 
 

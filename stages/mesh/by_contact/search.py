@@ -124,8 +124,8 @@ class PieceSearch:
 
     def _replace(self, link: int, old: Sequence[Chunk], new: Sequence[Chunk]) -> None:
         position = min(self.chunks[link].index(chunk) for chunk in old)
-        rest = [chunk for chunk in self.chunks[link] if chunk not in old]
-        self.chunks[link] = [*rest[:position], *new, *rest[position:]]
+        other_chunks = [chunk for chunk in self.chunks[link] if chunk not in old]
+        self.chunks[link] = [*other_chunks[:position], *new, *other_chunks[position:]]
 
     def _worst(self, pair: LinkPair, link: int) -> list[Chunk]:
         """Returns the piece of a link that is deepest in the other link over all poses, among the pieces that
@@ -271,8 +271,8 @@ class PieceSearch:
             joined_chunk = hull_chunk(
                 join_surfaces([first.surface, second.surface]), self.max_vertices, first.collider_index
             )
-            rest = [chunk for chunk in self.chunks[link] if chunk not in (first, second)]
-            if joined_chunk is not None and self.no_worse(link, [*rest, joined_chunk]):
+            other_chunks = [chunk for chunk in self.chunks[link] if chunk not in (first, second)]
+            if joined_chunk is not None and self.no_worse(link, [*other_chunks, joined_chunk]):
                 self._replace(link, [first, second], [joined_chunk])
                 return True
             growths[first, second] = np.inf

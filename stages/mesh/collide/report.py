@@ -49,10 +49,10 @@ def _miss_in_tolerances(collision: Collision) -> float | None:
 def collider_reports(outcomes: Sequence[MadeCollider]) -> list[Diagnostic]:
     """Reports W-FLAT for links that are flat, W-COLLIDER for colliders that miss their tolerance, and I-RAW
     for meshes that serve as colliders."""
-    return [*_flat(outcomes), *_tolerance_misses(outcomes), *_raw(outcomes)]
+    return [*_flat_reports(outcomes), *_miss_reports(outcomes), *_raw_report(outcomes)]
 
 
-def _flat(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
+def _flat_reports(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
     colliders_of_link: dict[str, list[MadeCollider]] = {}
     for collided in outcomes:
         if collided.job.choice.maker != "visual":
@@ -63,7 +63,7 @@ def _flat(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
             yield Diagnostic("W-FLAT", text, link, "give it thickness in CAD")
 
 
-def _tolerance_misses(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
+def _miss_reports(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
     """Yields W-COLLIDER once for each part, however often the part is used."""
     reported: set[tuple[str, str]] = set()
     for collided in outcomes:
@@ -115,7 +115,7 @@ def _met_tolerance(collided: MadeCollider) -> float:
     return 1.05 * max(1.0, miss(collision.measures, collision.tolerance)) * collision.tolerance
 
 
-def _raw(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
+def _raw_report(outcomes: Sequence[MadeCollider]) -> Iterator[Diagnostic]:
     number = sum(len(collided.collision.pieces) for collided in outcomes if collided.collision.rung == "raw")
     if number:
         yield Diagnostic(

@@ -64,14 +64,14 @@ def side_by_side(
         futures: list[Future[Made | DecompositionFailed]] = []
         try:
             futures += (pool.submit(result, *numbered) for numbered in enumerate(makings))
-            waiting = set(futures)
-            while waiting:
-                done, waiting = wait(waiting, _PROGRESS_INTERVAL, FIRST_COMPLETED)
-                for future in done:
+            pending = set(futures)
+            while pending:
+                finished, pending = wait(pending, _PROGRESS_INTERVAL, FIRST_COMPLETED)
+                for future in finished:
                     future.result()
                 if shown is not None:
                     # A copy, made in one step, since the threads change `running` meanwhile.
-                    shown(sorted(running.copy().values()), len(makings) - len(waiting), len(makings))
+                    shown(sorted(running.copy().values()), len(makings) - len(pending), len(makings))
         except BaseException:
             halt.set()
             pool.shutdown(wait=True, cancel_futures=True)

@@ -12,11 +12,11 @@ from linkwright.stages.mesh.fit import capped_hull
 
 def make(surfaces: Sequence[Surface], settings: HullSettings) -> Collision:
     """Makes one hull, and does not judge it, since that would take longer; no pieces for flat parts."""
-    whole = join_surfaces(surfaces)
-    finite = bool(np.isfinite(whole.vertices).all())
-    hull = capped_hull(whole, settings.max_vertices) if finite else None
+    surface = join_surfaces(surfaces)
+    finite = bool(np.isfinite(surface.vertices).all())
+    hull = capped_hull(surface, settings.max_vertices) if finite else None
     return (
         Collision(note="it is flat")
         if hull is None
-        else Collision((hull,), len(whole.triangles), rung="hull")
+        else Collision((hull,), len(surface.triangles), rung="hull")
     )

@@ -56,11 +56,11 @@ def make(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision:
 
 def _single_pieces(judge: Judge, settings: LadderSettings) -> Iterator[tuple[str, Piece]]:
     """Yields the primitives that are worth a measurement, the cheapest first, then the hull."""
-    whole = convex_hull(judge.surface.vertices)
-    if whole is None:
+    whole_hull = convex_hull(judge.surface.vertices)
+    if whole_hull is None:
         return
     # A primitive that covers the part up to a tolerance stands out nearly as far as the hull.
-    if not judge.is_hopeless([whole], _MAX_HULL_MISS):
+    if not judge.is_hopeless([whole_hull], _MAX_HULL_MISS):
         for fitted in fits(judge.surface, allowed_kinds(settings.limits), _MAX_FIT_ERROR * judge.tolerance):
             yield fitted.primitive.kind, fitted.primitive
     capped = capped_hull(judge.surface, settings.max_vertices)
@@ -120,8 +120,10 @@ def together(surfaces: Sequence[Surface], settings: LadderSettings) -> Collision
     """Makes one primitive or hull for several parts if it is within the tolerance of each; else no pieces."""
     tolerance = min(map(settings.tolerance_of, surfaces))
     combined = join_surfaces(surfaces)
-    whole = convex_hull(combined.vertices)
-    if whole is None or whole.volume() > _largest_volume(surfaces, tolerance, settings.extra_volume):
+    whole_hull = convex_hull(combined.vertices)
+    if whole_hull is None or whole_hull.volume() > _largest_volume(
+        surfaces, tolerance, settings.extra_volume
+    ):
         return Collision(meets=False)
     collision = make([combined], replace(settings, tolerance=tolerance))
     return collision if collision.meets and collision.pieces else Collision(meets=False)

@@ -14,8 +14,8 @@ MAX_SPHERES = 64
 
 def make(surfaces: Sequence[Surface], settings: SphereSettings) -> Collision:
     """Makes at most `MAX_SPHERES` spheres that meet the tolerance if possible; no pieces for a flat part."""
-    whole = join_surfaces(surfaces)
-    spheres = fit.spheres(whole, settings.tolerance_of(whole), MAX_SPHERES)
+    surface = join_surfaces(surfaces)
+    spheres = fit.spheres(surface, settings.tolerance_of(surface), MAX_SPHERES)
     if not spheres:
         return Collision(note="it is flat")
     return with_measures(Collision(spheres, rung="spheres"), surfaces, settings.tolerance)

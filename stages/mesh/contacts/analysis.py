@@ -126,9 +126,9 @@ def _analysed(
     searches: bool,
 ) -> dict[str, Any]:
     """Returns the contacts as plain data. `held`: the pairs with `reasons` that touch at `home`, with the
-    depth [m]; `always`: the excludes of other pairs that touch at `home` and in every sampled pose; `free`:
-    the remaining pairs that touch at `home`. `searches`: whether `always` is searched, else it is
-    empty."""
+    depth [m]; `always`: the excludes of other pairs that touch at `home` and in every sampled pose;
+    `other_depths`: the remaining pairs that touch at `home`. `searches`: whether `always` is searched, else
+    it is empty."""
     # Late: contacts from the cache need no MuJoCo.
     from linkwright.stages.mesh.contacts.colliders import Colliders
 
@@ -139,18 +139,20 @@ def _analysed(
         colliders.place(link, poses[link])
     order = [link.name for link in robot.links if link.name in colliders.links]
     depths = colliders.depths(colliders.meeting(order))
-    free = {pair: depth for pair, depth in depths.items() if pair not in reasons}
+    other_depths = {pair: depth for pair, depth in depths.items() if pair not in reasons}
     always: list[Exclude] = []
     if searches:
-        for pair, masked in _touching_always(robot, shapes, colliders, free, start):
+        for pair, masked in _touching_always(robot, shapes, colliders, other_depths, start):
             geoms = () if masked.all() else tuple((int(a), int(b)) for a, b in np.argwhere(masked))
-            always.append(Exclude(*pair, "Always", _deepest(free[pair][masked]), geoms))
-            free[pair] = np.where(masked, -np.inf, free[pair])
+            always.append(Exclude(*pair, "Always", _deepest(other_depths[pair][masked]), geoms))
+            other_depths[pair] = np.where(masked, -np.inf, other_depths[pair])
     return {
         "held": [[*pair, _deepest(depth)] for pair, depth in depths.items() if pair in reasons],
         "always": [codec.plain(exclude) for exclude in always],
         "free": [
-            codec.plain(Touch(*pair, _deepest(depth))) for pair, depth in free.items() if (depth >= 0).any()
+            codec.plain(Touch(*pair, _deepest(depth)))
+            for pair, depth in other_depths.items()
+            if (depth >= 0).any()
         ],
     }
 

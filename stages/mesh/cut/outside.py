@@ -94,17 +94,17 @@ class ReachableSurface:
         margin = int(np.ceil(radius / cell)) + 2
         shape = tuple(int(n) for n in np.ceil((high - low) / cell).astype(int) + 2 * margin + 1)
         start = low - margin * cell
-        solid = np.zeros(shape, dtype=bool)
+        has_mark = np.zeros(shape, dtype=bool)
         count = int(np.ceil(surface.area() / (_MARK_SPACING * cell) ** 2)) + 1
         marks = np.concatenate([evenly_spread(tree.corners, count).points, surface.vertices])
-        solid[tuple(np.floor((marks - start) / cell).astype(int).T)] = True
+        has_mark[tuple(np.floor((marks - start) / cell).astype(int).T)] = True
         # Places for the ball's centre: connected to the grid's corner, farther than its radius from the
         # surface.
-        free = scipy.ndimage.distance_transform_edt(~solid) * cell > radius
-        regions, _ = scipy.ndimage.label(free)
+        is_free = scipy.ndimage.distance_transform_edt(~has_mark) * cell > radius
+        regions, _ = scipy.ndimage.label(is_free)
         reachable = regions == regions[0, 0, 0]
-        hidden = scipy.ndimage.distance_transform_edt(~reachable) * cell > radius + cell
-        return ReachableSurface(Nearest.of(tree), radius, hidden, start, cell, diagonal)
+        is_hidden = scipy.ndimage.distance_transform_edt(~reachable) * cell > radius + cell
+        return ReachableSurface(Nearest.of(tree), radius, is_hidden, start, cell, diagonal)
 
     def distances(self, points: Points) -> Numbers:
         """Returns the distance [m] (n,) of points (n, 3) from the link's surface, 0 where the ball cannot

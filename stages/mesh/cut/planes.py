@@ -76,10 +76,10 @@ def past_obstacles(axes: Points, obstacles: Array) -> Iterator[Plane]:
     poses in which it is farthest on that side. `obstacles`: points (poses, n, 3) of another link in some
     poses."""
     for axis in axes:
-        along = obstacles @ axis
-        for height in (along.min(axis=1).min(), np.median(along.min(axis=1))):
+        obstacle_heights = obstacles @ axis
+        for height in (obstacle_heights.min(axis=1).min(), np.median(obstacle_heights.min(axis=1))):
             yield axis, float(height)
-        for height in (along.max(axis=1).max(), np.median(along.max(axis=1))):
+        for height in (obstacle_heights.max(axis=1).max(), np.median(obstacle_heights.max(axis=1))):
             yield axis, float(height)
 
 
@@ -87,8 +87,8 @@ def crossing(planes: Iterator[Plane], points: Points) -> list[Plane]:
     """Returns the planes that have points on both sides, without duplicates."""
     distinct: dict[tuple[float, ...], Plane] = {}
     for normal, height in planes:
-        along = points @ normal
-        low, high = float(along.min()), float(along.max())
+        heights = points @ normal
+        low, high = float(heights.min()), float(heights.max())
         if low + _MIN_SHARE_OF_EXTENT * (high - low) < height < high - _MIN_SHARE_OF_EXTENT * (high - low):
             key = *normal.round(6).tolist(), round(height, 6)
             distinct.setdefault(key, (normal, height))
@@ -102,6 +102,6 @@ def ranked(
     (n, 3) below and above a plane."""
     results = []
     for normal, height in planes:
-        above = cloud @ normal > height
-        results.append((score(cloud[~above], cloud[above]), (normal, height)))
+        is_above = cloud @ normal > height
+        results.append((score(cloud[~is_above], cloud[is_above]), (normal, height)))
     return sorted(results, key=lambda row: row[0])

@@ -83,8 +83,8 @@ def _inner_balls(outline: Outline, spots: Points, normals: Points) -> tuple[Poin
     for _ in range(_MAX_ROUNDS):
         centres = spots[active] - normals[active] * radii[active, None]
         distances, nearest_indices = outline.tree.query(centres)
-        inside = distances < radii[active] * (1 - 1e-6)
-        active, nearest_indices = active[inside], nearest_indices[inside]
+        is_nearer = distances < radii[active] * (1 - 1e-6)
+        active, nearest_indices = active[is_nearer], nearest_indices[is_nearer]
         if not len(active):
             break
         chords = spots[active] - outline.tree.data[nearest_indices]
@@ -95,8 +95,8 @@ def _inner_balls(outline: Outline, spots: Points, normals: Points) -> tuple[Poin
         radii[active] = np.minimum(radii[active], squares[usable] / (2 * depths[usable]))
     centres = spots - normals * radii[:, None]
     # Where a wall is thinner than the spacing of the samples, a centre may be outside; the spot replaces it.
-    outside = outline.protrusion(centres) > 0
-    centres[outside], radii[outside] = spots[outside], 0.0
+    is_outside = outline.protrusion(centres) > 0
+    centres[is_outside], radii[is_outside] = spots[is_outside], 0.0
     return centres, np.minimum(radii, outline.distance(centres))
 
 

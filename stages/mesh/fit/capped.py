@@ -23,13 +23,13 @@ def capped_hull(surface: Surface, max_vertices: int) -> Surface | None:
 
     If the hull has more vertices, they are chosen one by one: next is the vertex that is farthest outside the
     hull of those chosen before. All chosen vertices are then moved outwards by half of the bareness."""
-    whole = convex_hull(surface.vertices)
-    if whole is None or len(whole.vertices) <= max_vertices:
-        return whole
-    inner = convex_hull(whole.vertices[_farthest(whole.vertices, max_vertices)])
+    whole_hull = convex_hull(surface.vertices)
+    if whole_hull is None or len(whole_hull.vertices) <= max_vertices:
+        return whole_hull
+    inner = convex_hull(whole_hull.vertices[_farthest(whole_hull.vertices, max_vertices)])
     if inner is None:
         return None
-    bare = float(beyond(*half_spaces(inner), whole.vertices).max())
+    bare = float(beyond(*half_spaces(inner), whole_hull.vertices).max())
     return _moved_out(inner, _OUTWARD_SHARE * bare)
 
 

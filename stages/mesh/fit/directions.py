@@ -89,10 +89,10 @@ def silhouettes(outline: Outline) -> list[Silhouette]:
     result = []
     for axis in directions(outline):
         u, v = axes_across(axis)
-        flat = np.stack([outline.corners @ u, outline.corners @ v], axis=1)
+        projected = np.stack([outline.corners @ u, outline.corners @ v], axis=1)
         heights = outline.corners @ axis
         try:
-            ring = flat[scipy.spatial.ConvexHull(flat).vertices]
+            ring = projected[scipy.spatial.ConvexHull(projected).vertices]
         except scipy.spatial.QhullError:
             continue
         result.append(Silhouette(axis, u, v, ring, float(heights.min()), float(heights.max())))
@@ -118,10 +118,10 @@ def upright(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         remaining = [column for column in range(3) if column not in order]
         order.append(max(remaining, key=lambda column: round(abs(float(axes[axis, column])), 6)))
     rotation = axes[:, order] * np.sign(np.diag(axes[:, order]) + (np.diag(axes[:, order]) == 0))
-    exact = [axis for axis in range(3) if rotation[axis, axis] > _SNAP_COSINE]
-    if len(exact) > 1:
+    exact_axes = [axis for axis in range(3) if rotation[axis, axis] > _SNAP_COSINE]
+    if len(exact_axes) > 1:
         return np.eye(3)
-    for axis in exact:
+    for axis in exact_axes:
         second, third = (axis + 1) % 3, (axis + 2) % 3
         angle = np.arctan2(rotation[third, second], rotation[second, second])
         rotation = np.eye(3)
@@ -143,8 +143,8 @@ def _principal_axes(vectors: Points, weights: Floats) -> list[Floats]:
 def _face_normals(outline: Outline) -> list[Floats]:
     """Returns the normals of the largest flat faces, the largest first."""
     total = outline.areas.sum()
-    large = outline.areas > _MIN_TRIANGLE_SHARE * total
-    areas, normals = outline.areas[large], outline.normals[large]
+    is_large = outline.areas > _MIN_TRIANGLE_SHARE * total
+    areas, normals = outline.areas[is_large], outline.normals[is_large]
     face_normals: list[Floats] = []
     for _ in range(_MAX_FACES):
         seeds = np.argsort(-areas, kind="stable")[:_MAX_SEEDS]

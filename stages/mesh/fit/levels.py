@@ -95,7 +95,9 @@ def _median(values: Floats, weights: Floats, least_weight: float, fallback: floa
     if not len(values) or weights.sum() < least_weight:
         return fallback
     order = np.argsort(values, kind="stable")
-    below = np.cumsum(weights[order])
+    cumulated = np.cumsum(weights[order])
     # If exactly half of the area is below a gap between two values, the median is their mean.
-    middle = np.searchsorted(below, below[-1] * np.array([0.5 - _MEDIAN_TOLERANCE, 0.5 + _MEDIAN_TOLERANCE]))
+    middle = np.searchsorted(
+        cumulated, cumulated[-1] * np.array([0.5 - _MEDIAN_TOLERANCE, 0.5 + _MEDIAN_TOLERANCE])
+    )
     return float(values[order[middle]].mean())

@@ -158,12 +158,12 @@ def _distances(
     from_corners = points[:, None, None] - faces
     edges = np.roll(faces, -1, axis=2) - faces
     squares = np.maximum((edges * edges).sum(axis=3), 1e-300)
-    along = np.clip((from_corners * edges).sum(axis=3) / squares, 0.0, 1.0)
-    to_edges = ((from_corners - along[..., None] * edges) ** 2).sum(axis=3)
-    inside = ((np.cross(edges, from_corners) * normals[:, :, None]).sum(axis=3) >= 0).all(axis=2)
+    shares_of_edges = np.clip((from_corners * edges).sum(axis=3) / squares, 0.0, 1.0)
+    to_edges = ((from_corners - shares_of_edges[..., None] * edges) ** 2).sum(axis=3)
+    is_above_triangle = ((np.cross(edges, from_corners) * normals[:, :, None]).sum(axis=3) >= 0).all(axis=2)
     heights = (from_corners[:, :, 0] * normals).sum(axis=2)
-    squared = np.where(inside, heights**2, to_edges.min(axis=2))
-    least = squared.min(axis=1, keepdims=True)
-    nearest = squared <= least * (1 + 1e-6) + 1e-24
+    squared = np.where(is_above_triangle, heights**2, to_edges.min(axis=2))
+    least_squares = squared.min(axis=1, keepdims=True)
+    nearest = squared <= least_squares * (1 + 1e-6) + 1e-24
     in_front = (heights * nearest).sum(axis=1) > 0
-    return np.sqrt(least[:, 0]), in_front
+    return np.sqrt(least_squares[:, 0]), in_front

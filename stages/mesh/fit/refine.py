@@ -38,21 +38,21 @@ def refined(primitive: Primitive, first_error: float, outline: Outline) -> tuple
     """
     if not _GOOD_ERROR * outline.tolerance < first_error < max_refined_error(outline):
         return primitive, first_error
-    least = first_error
+    least_error = first_error
     for share in _STEPS:
-        step, limit = share * first_error, _MAX_ERROR_RATIO * least
+        step, limit = share * first_error, _MAX_ERROR_RATIO * least_error
         moves = [_best_move(primitive, side, step, limit, outline) for side in _sides(primitive)]
         useful_moves = [move for move in moves if move is not None]
         if not useful_moves:
             continue
-        together = primitive
+        primitive_moved = primitive
         for _, side, amount in useful_moves:
-            together = _stretched(together, side, amount)
+            primitive_moved = _stretched(primitive_moved, side, amount)
         score, side, amount = min(useful_moves)
-        common = error(together, outline)
-        primitive = together if common <= score else _stretched(primitive, side, amount)
-        least = min(common, score)
-    return primitive, least
+        common = error(primitive_moved, outline)
+        primitive = primitive_moved if common <= score else _stretched(primitive, side, amount)
+        least_error = min(common, score)
+    return primitive, least_error
 
 
 def _best_move(
@@ -64,8 +64,11 @@ def _best_move(
     moves = []
     for amount in (-step, step):
         if primitive.size[index] + amount > step:
-            moved = _stretched(primitive, side, amount)
-            if outline.bareness(moved) < limit and (score := error(moved, outline)) < limit:
+            moved_primitive = _stretched(primitive, side, amount)
+            if (
+                outline.bareness(moved_primitive) < limit
+                and (score := error(moved_primitive, outline)) < limit
+            ):
                 moves.append((score, side, amount))
     return min(moves, default=None)
 

@@ -85,10 +85,12 @@ class Field:
         return np.asarray(values, dtype=np.float64)
 
 
-def _inside_nodes(free: npt.NDArray[np.bool_], nodes: Points, target: MeasuredPart) -> npt.NDArray[np.bool_]:
-    """Tells which of the nodes that are `free` of the wall are inside. A connected region of them is usually
-    inside or outside as a whole."""
-    regions, count = scipy.ndimage.label(free)
+def _inside_nodes(
+    is_free: npt.NDArray[np.bool_], nodes: Points, target: MeasuredPart
+) -> npt.NDArray[np.bool_]:
+    """Tells which nodes outside the wall (`is_free`) are inside the part. A connected region of them is
+    usually inside or outside as a whole."""
+    regions, count = scipy.ndimage.label(is_free)
     region_of_node = regions.ravel()
     order = np.argsort(region_of_node, kind="stable")
     ends = np.searchsorted(region_of_node[order], np.arange(1, count + 2))
@@ -98,4 +100,4 @@ def _inside_nodes(free: npt.NDArray[np.bool_], nodes: Points, target: MeasuredPa
         trial = target.inside(nodes[members[np.linspace(0, len(members) - 1, _TRIAL_NODES).astype(np.int64)]])
         trial_agrees = trial.all() or not trial.any()
         result[members] = trial[0] if trial_agrees else target.inside(nodes[members])
-    return np.asarray(result.reshape(free.shape))
+    return np.asarray(result.reshape(is_free.shape))

@@ -118,11 +118,11 @@ class BoxTree:
             point_indices = point_indices[parent_rows]
             lows, highs = self.boxes[level]
             points_of_pairs = points.take(point_indices, axis=0)
-            beyond = np.maximum(
+            distances = np.maximum(
                 lows.take(nodes, axis=0) - points_of_pairs, points_of_pairs - highs.take(nodes, axis=0)
             )
-            np.maximum(beyond, 0.0, out=beyond)
-            nearby = np.flatnonzero(_dot(beyond, beyond) < least[point_indices])
+            np.maximum(distances, 0.0, out=distances)
+            nearby = np.flatnonzero(_dot(distances, distances) < least[point_indices])
             point_indices, nodes = point_indices[nearby], nodes[nearby]
         points, corners = points.take(point_indices, axis=0), self.corners.take(nodes, axis=0)
         np.minimum.at(best, point_indices, triangle_distances(points, corners))
@@ -174,15 +174,15 @@ def triangle_distances(points: Points, corners: Corners) -> Numbers:
     safe = np.where(above_face, area, 1.0)[:, None]
     offsets = from_first - from_a * v[:, None] / safe - edge_ac * w[:, None] / safe
     result = _dot(offsets, offsets)
-    rest = np.flatnonzero(~above_face)
-    from_a, edge_ac, from_first = from_a[rest], edge_ac[rest], from_first[rest]
+    not_above = np.flatnonzero(~above_face)
+    from_a, edge_ac, from_first = from_a[not_above], edge_ac[not_above], from_first[not_above]
     third, from_second = edge_ac - from_a, from_first - from_a
     squares = [
-        _squared_segment_distances(from_first, from_a, pa[rest], aa[rest]),
-        _squared_segment_distances(from_first, edge_ac, pb[rest], bb[rest]),
+        _squared_segment_distances(from_first, from_a, pa[not_above], aa[not_above]),
+        _squared_segment_distances(from_first, edge_ac, pb[not_above], bb[not_above]),
         _squared_segment_distances(from_second, third, _dot(from_second, third), _dot(third, third)),
     ]
-    result[rest] = np.minimum.reduce(squares)
+    result[not_above] = np.minimum.reduce(squares)
     return np.asarray(np.sqrt(result), dtype=np.float64)
 
 
@@ -252,15 +252,15 @@ def _cut(corners: Corners, faces: Indices, longest: float) -> tuple[Corners, Ind
         edges = np.roll(corners, -1, axis=1) - corners
         squares = (edges * edges).sum(axis=2)
         widest = squares.argmax(axis=1)
-        long = squares.max(axis=1) > longest * longest
-        if not long.any() or count > _MAX_CUT_TRIANGLES:
+        is_long = squares.max(axis=1) > longest * longest
+        if not is_long.any() or count > _MAX_CUT_TRIANGLES:
             break
-        finished.append((corners[~long], faces[~long]))
-        turn = (widest[long, None] + np.arange(3)) % 3
-        a, b, c = np.moveaxis(np.take_along_axis(corners[long], turn[:, :, None], axis=1), 1, 0)
+        finished.append((corners[~is_long], faces[~is_long]))
+        turn = (widest[is_long, None] + np.arange(3)) % 3
+        a, b, c = np.moveaxis(np.take_along_axis(corners[is_long], turn[:, :, None], axis=1), 1, 0)
         middle = (a + b) / 2
         corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-        faces = np.tile(faces[long], 2)
+        faces = np.tile(faces[is_long], 2)
         count += len(faces) // 2
     finished.append((corners, faces))
     all_corners, all_faces = (np.concatenate(list(column)) for column in zip(*finished, strict=True))

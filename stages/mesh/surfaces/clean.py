@@ -47,7 +47,7 @@ def clean(surface: Surface) -> Cleaned:
     solid = shells.closed & (spanned > shells.area / 2 * _FLAT_THICKNESS * np.minimum(1.0, shells.size))
     negligible = solid & (spanned < _MIN_VOLUME_SHARE * spanned[solid].sum())
     solids = _solids(shells, np.flatnonzero(solid & ~negligible))
-    return Cleaned(solids, _loose(shells, np.flatnonzero(~solid[shells.label]), bool(solids)))
+    return Cleaned(solids, _open_remainder(shells, np.flatnonzero(~solid[shells.label]), bool(solids)))
 
 
 def _without_invalid(surface: Surface) -> Surface:
@@ -142,7 +142,7 @@ def _solids(shells: Shells, candidates: Indices) -> tuple[Surface, ...]:
     return tuple(solids)
 
 
-def _loose(shells: Shells, faces: Indices, drop_small: bool) -> Surface | None:
+def _open_remainder(shells: Shells, faces: Indices, drop_small: bool) -> Surface | None:
     """Returns those faces outside of solids whose vertex-connected piece spans a volume."""
     triangles = shells.surface.triangles[faces]
     points, corners = np.unique(triangles, return_inverse=True)
@@ -150,8 +150,10 @@ def _loose(shells: Shells, faces: Indices, drop_small: bool) -> Surface | None:
     if not len(faces):
         return None
     label = components(len(points), np.concatenate([first, second]), np.concatenate([second, third]))
-    flat = _are_flat(shells.surface.vertices[points], label, drop_small, shells.size.max())[label[first]]
-    return None if flat.all() else drop_unused_points(Surface(shells.surface.vertices, triangles[~flat]))
+    is_flat = _are_flat(shells.surface.vertices[points], label, drop_small, shells.size.max())[label[first]]
+    return (
+        None if is_flat.all() else drop_unused_points(Surface(shells.surface.vertices, triangles[~is_flat]))
+    )
 
 
 def _are_flat(points: np.ndarray, label: Indices, drop_small: bool, size: float) -> Flags:
@@ -166,6 +168,6 @@ def _are_flat(points: np.ndarray, label: Indices, drop_small: bool, size: float)
             moments[:, i, j] = np.bincount(label, offsets[:, i] * offsets[:, j]) / count
     values = np.maximum(np.linalg.eigvalsh(moments), 0.0)
     width = np.sqrt(values[:, 2])
-    flat = np.sqrt(values[:, 0]) <= np.maximum(_FLAT_THICKNESS * np.minimum(1.0, width), 1e-7 * width)
+    is_flat = np.sqrt(values[:, 0]) <= np.maximum(_FLAT_THICKNESS * np.minimum(1.0, width), 1e-7 * width)
     # A piece of the negligible share of the volume has about the cube root of that share of the size.
-    return np.asarray(flat | (drop_small & (width < _MIN_VOLUME_SHARE ** (1 / 3) * size / 4)))
+    return np.asarray(is_flat | (drop_small & (width < _MIN_VOLUME_SHARE ** (1 / 3) * size / 4)))

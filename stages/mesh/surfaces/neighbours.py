@@ -15,16 +15,16 @@ def neighbours(surface: Surface) -> npt.NDArray[np.int64]:
     edges = np.minimum(starts, ends) * np.int64(len(surface.vertices)) + np.maximum(starts, ends)
     # A sort that need not keep the order of equal keys takes a quarter of the time; pairs need no order.
     order = np.argsort(edges)
-    same = _equal_neighbours(edges, order)
-    if (same[1:] & same[:-1]).any():
+    are_equal = _equal_neighbours(edges, order)
+    if (are_equal[1:] & are_equal[:-1]).any():
         order = np.argsort(edges, kind="stable")
-        same = _equal_neighbours(edges, order)
-    first, second = order[:-1][same], order[1:][same]
+        are_equal = _equal_neighbours(edges, order)
+    first, second = order[:-1][are_equal], order[1:][are_equal]
     opposite = starts[first] != starts[second]
     first, second = first[opposite], second[opposite]
-    across = np.repeat(np.arange(len(surface.triangles)), 3)
-    across[first], across[second] = second // 3, first // 3
-    return across.reshape(-1, 3)
+    neighbour_of_edge = np.repeat(np.arange(len(surface.triangles)), 3)
+    neighbour_of_edge[first], neighbour_of_edge[second] = second // 3, first // 3
+    return neighbour_of_edge.reshape(-1, 3)
 
 
 def _equal_neighbours(keys: npt.NDArray[np.int64], order: npt.NDArray[np.intp]) -> npt.NDArray[np.bool_]:

@@ -68,11 +68,11 @@ class LineGrid:
         coordinate axes."""
         axes = _axes(number)
         vertices = along(axes, surface.vertices).T.copy()
-        flat = vertices[:, :2]
-        low = flat.min(axis=0) if len(flat) else np.zeros(2)
-        size = float(np.ptp(flat, axis=0).max(initial=0.0)) if len(flat) else 0.0
+        projected = vertices[:, :2]
+        low = projected.min(axis=0) if len(projected) else np.zeros(2)
+        size = float(np.ptp(projected, axis=0).max(initial=0.0)) if len(projected) else 0.0
         size = size * (1 + 1e-9) or 1.0
-        strips = _Strips.of(flat[surface.triangles], size)
+        strips = _Strips.of(projected[surface.triangles], size)
         width = (strips.high - strips.low).max(axis=1, initial=0.0)
         with np.errstate(divide="ignore"):
             level = np.floor(np.log2(size / np.maximum(width, size * 2.0**-_MAX_LEVEL))).astype(np.int64)
@@ -105,12 +105,12 @@ class LineGrid:
         """Yields the crossings of the lines through points (n, 3), in portions."""
         local = along(self.axes, points).T
         cells = (local[:, :2] - self.low) / self.size
-        outside = ((cells < 0) | (cells >= 1)).any(axis=1)
+        is_outside = ((cells < 0) | (cells >= 1)).any(axis=1)
         for level in self.levels:
             key = _key(level, np.floor(cells * 2.0**level).astype(np.int64))
             begin = np.searchsorted(self.keys, key, side="left")
             count = np.searchsorted(self.keys, key, side="right") - begin
-            count[outside] = 0
+            count[is_outside] = 0
             for group in _portions(count):
                 point_indices = np.repeat(group, count[group])
                 starts = np.repeat(begin[group] - np.cumsum(count[group]) + count[group], count[group])
@@ -131,16 +131,19 @@ class LineGrid:
         triangle_indices, points_of_pairs = self.strips.owners[strips], points[point_indices]
         corners = self.triangles[triangle_indices]
         sides = [self._side(corners[:, k], corners[:, (k + 1) % 3], points_of_pairs) for k in range(3)]
-        left = [side > 0 for side in sides]
-        hit = np.flatnonzero((left[0] == left[1]) & (left[1] == left[2]))
+        is_left = [side > 0 for side in sides]
+        hit = np.flatnonzero((is_left[0] == is_left[1]) & (is_left[1] == is_left[2]))
         hit = hit[self.strips.contains(strips[hit], points_of_pairs[hit, :2])]
         corners, sides = corners[hit], [side[hit] for side in sides]
         total = sides[0] + sides[1] + sides[2]
         weights = [np.divide(side, total, out=np.full(len(total), 1 / 3), where=total != 0) for side in sides]
         heights = [self.vertices[corners[:, (k + 2) % 3], 2] * weights[k] for k in range(3)]
-        above = heights[0] + heights[1] + heights[2] > points_of_pairs[hit, 2]
+        is_above = heights[0] + heights[1] + heights[2] > points_of_pairs[hit, 2]
         return Crossings(
-            point_indices[hit], triangle_indices[hit], np.where(left[0][hit], 1, -1).astype(np.int8), above
+            point_indices[hit],
+            triangle_indices[hit],
+            np.where(is_left[0][hit], 1, -1).astype(np.int8),
+            is_above,
         )
 
     def _side(self, a: Indices, b: Indices, points: Points) -> npt.NDArray[np.float64]:

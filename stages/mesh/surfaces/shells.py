@@ -107,18 +107,18 @@ class Shells:
         count = len(surface.triangles)
         first, second, _ = edges.pairs()
         label = components(count, first, second)
-        closed = _closed(edges, label)
-        if not closed.all():
+        is_closed = _closed_shells(edges, label)
+        if not is_closed.all():
             sides = np.ones(len(edges.faces), dtype=bool)
             sides[edges.starts] = False
             neighbours = np.flatnonzero(sides)
             face, next_face = edges.faces[neighbours - 1], edges.faces[neighbours]
-            open_too = ~closed[label[face]] & ~closed[label[next_face]]
+            open_too = ~is_closed[label[face]] & ~is_closed[label[next_face]]
             label = components(
                 count, np.concatenate([first, face[open_too]]), np.concatenate([second, next_face[open_too]])
             )
-            closed = _closed(edges, label)
-        number = len(closed)
+            is_closed = _closed_shells(edges, label)
+        number = len(is_closed)
         volume = _sums_by_label(label, surface.cone_volumes(surface.vertices.mean(axis=0)), number)
         area = _sums_by_label(label, np.linalg.norm(surface.normals(), axis=1) / 2, number)
         order = np.argsort(label, kind="stable")
@@ -126,7 +126,7 @@ class Shells:
         corners = surface.corners[order]
         low = np.minimum.reduceat(corners.min(axis=1), starts)
         high = np.maximum.reduceat(corners.max(axis=1), starts)
-        return Shells(surface, label, closed, volume, area, np.linalg.norm(high - low, axis=1))
+        return Shells(surface, label, is_closed, volume, area, np.linalg.norm(high - low, axis=1))
 
     def holders(self, candidates: Indices) -> dict[int, list[int]]:
         """Returns for each of the `candidates` closed shells the other chosen shells that contain it, judged
@@ -158,7 +158,7 @@ class Shells:
         return holders
 
 
-def _closed(edges: Edges, label: Indices) -> Flags:
+def _closed_shells(edges: Edges, label: Indices) -> Flags:
     """Tells for each shell (k,) whether its sides cancel at every edge."""
     number = int(label.max(initial=-1)) + 1
     edge = np.repeat(np.arange(len(edges.starts)), edges.counts())
@@ -168,11 +168,11 @@ def _closed(edges: Edges, label: Indices) -> Flags:
     new = np.ones(len(key), dtype=bool)
     new[1:] = key[1:] != key[:-1]
     starts = np.flatnonzero(new)
-    closed = np.ones(number, dtype=bool)
+    is_closed = np.ones(number, dtype=bool)
     if len(starts):
         excess = np.add.reduceat(sign, starts)
-        closed[(key[starts] % max(number, 1))[excess != 0]] = False
-    return closed
+        is_closed[(key[starts] % max(number, 1))[excess != 0]] = False
+    return is_closed
 
 
 def _sums_by_label(label: Indices, values: npt.NDArray[np.float64], number: int) -> npt.NDArray[np.float64]:

@@ -119,7 +119,7 @@ def _viewed(shapes: Sequence[Shape], files: Mapping[str, bytes], role: Role) -> 
     colours = [np.zeros((0, 3), dtype=np.uint8)]
     role_shapes = [shape for shape in shapes if shape.role == role]
     for shape, colour in zip(role_shapes, _colours(role_shapes, role), strict=True):
-        viewed_corners = _turned(_corners(shape, files))
+        viewed_corners = _in_viewer_frame(_corners(shape, files))
         corners.append(viewed_corners)
         colours.append(_shaded(viewed_corners, colour))
     return np.concatenate(corners), np.concatenate(colours)
@@ -142,7 +142,7 @@ def _colours(shapes: Sequence[Shape], role: Role) -> Iterator[Colour]:
             yield (*colorsys.hls_to_rgb((0.58 + number * _GOLDEN_RATIO) % 1.0, 0.6, 0.65), 1.0)
 
 
-def _turned(corners: Corners) -> Corners:
+def _in_viewer_frame(corners: Corners) -> Corners:
     """Returns the corners in the viewer's frame. The product is written out by element, since a matrix
     product may round differently on another processor."""
     to_viewer = np.array(_TO_VIEWER) / np.linalg.norm(_TO_VIEWER)

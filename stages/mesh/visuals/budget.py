@@ -90,11 +90,11 @@ class Decimator:
         error = max(self._errors.get((ref, min(level, self._last_level[ref])), 0.0) for ref in counts)
         return {**meshes, **decimated_parts}, Decimation(before, after, error, after > max_triangles)
 
-    def decimated(self, ref: MeshRef, mesh: PartMesh, moved: float) -> PartMesh:
-        """Returns the part with fewer triangles, its surface moved by at most about `moved` [m]; the part
+    def decimated(self, ref: MeshRef, mesh: PartMesh, max_move: float) -> PartMesh:
+        """Returns the part with fewer triangles, its surface moved by at most about `max_move` [m]; the part
         itself if it cannot have fewer."""
         # A surface moves up to twice as far as the tolerance.
-        return self._part_at(ref, mesh, int(math.log2(moved / 2 / _FIRST_TOLERANCE))) or mesh
+        return self._part_at(ref, mesh, int(math.log2(max_move / 2 / _FIRST_TOLERANCE))) or mesh
 
     def _at_level(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh:
         """Returns the part at a level, or at its last level; the part itself if it has no levels."""
@@ -111,9 +111,9 @@ class Decimator:
         no levels."""
         with self._lock:
             if (ref, level) not in self._levels_of_parts:
-                large = level > _COARSE_LEVEL and len(mesh.surface.triangles) > _MAX_FINE_TRIANGLES
+                is_large = level > _COARSE_LEVEL and len(mesh.surface.triangles) > _MAX_FINE_TRIANGLES
                 decimated = simplified(
-                    mesh, self._simplifiable(ref, mesh, large), _FIRST_TOLERANCE * 2.0**level
+                    mesh, self._simplifiable(ref, mesh, is_large), _FIRST_TOLERANCE * 2.0**level
                 )
                 fewer = decimated is None or len(decimated.surface.triangles) < len(mesh.surface.triangles)
                 self._levels_of_parts[ref, level] = decimated if fewer else mesh

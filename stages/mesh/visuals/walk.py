@@ -90,11 +90,11 @@ def _edge_distances(points: Points, corners: Numbers) -> tuple[Numbers, npt.NDAr
     normal = _cross(_picked(edges, 0), _picked(edges, 1))
     area = _dot(normal, normal)
     lengths = _dot(edges, edges)
-    beyond = _dot(_cross(edges, from_corners), normal)
-    edge = (beyond / np.sqrt(np.where(lengths > 0.0, lengths, 1.0))).argmin(axis=0)
+    edge_sides = _dot(_cross(edges, from_corners), normal)
+    edge = (edge_sides / np.sqrt(np.where(lengths > 0.0, lengths, 1.0))).argmin(axis=0)
     height = _dot(_picked(from_corners, 0), normal)
     squared = height * height / np.where(area > 0.0, area, 1.0)
-    outside = np.flatnonzero((beyond < 0.0).any(axis=0) | (area == 0.0))
+    outside = np.flatnonzero((edge_sides < 0.0).any(axis=0) | (area == 0.0))
     from_corners, edges, lengths = (
         _picked(from_corners, np.s_[:, outside]),
         _picked(edges, np.s_[:, outside]),

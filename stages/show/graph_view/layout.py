@@ -64,17 +64,17 @@ def tidy(
     return centres
 
 
-def _joined_contours(above: Contour, below: Contour, shared: int) -> Contour:
+def _joined_contours(upper: Contour, lower: Contour, shared: int) -> Contour:
     """Joins two contours that have the first `shared` levels in common, by changing these levels of the
     deeper contour; returns it."""
     edges = [
         (top, bottom)
-        for (top, _), (_, bottom) in zip(above.down_to(shared), below.down_to(shared), strict=True)
+        for (top, _), (_, bottom) in zip(upper.down_to(shared), lower.down_to(shared), strict=True)
     ]
-    deeper = above if len(above.edges) > len(below.edges) else below
+    deeper = upper if len(upper.edges) > len(lower.edges) else lower
     if shared:
-        moved = [(top - deeper.shift, bottom - deeper.shift) for top, bottom in reversed(edges)]
-        deeper.edges[-shared:] = moved
+        shifted = [(top - deeper.shift, bottom - deeper.shift) for top, bottom in reversed(edges)]
+        deeper.edges[-shared:] = shifted
     return deeper
 
 

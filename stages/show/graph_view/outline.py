@@ -81,8 +81,10 @@ def outline(robot: Robot, room: Columns = WHOLE) -> str:
         _frames(robot),
         _mobility(robot),
     ]
-    head, *rest = [[part for line in lines for part in _indented(line, room.width)] for lines in sections]
-    parts = [head, list(_table(list(_rows(robot, room)), room)), *rest]
+    head, *other_sections = [
+        [part for line in lines for part in _indented(line, room.width)] for lines in sections
+    ]
+    parts = [head, list(_table(list(_rows(robot, room)), room)), *other_sections]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
 
@@ -96,13 +98,13 @@ def _rows(robot: Robot, room: Columns) -> Iterator[Row]:
     base = f"({'fixed' if robot.base.fixed else 'free'} base)"
     stack: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
     while stack:
-        above, lasts = stack.pop()
-        link = robot.root if above is None else links[above.child]
+        joint_above, lasts = stack.pop()
+        link = robot.root if joint_above is None else links[joint_above.child]
         children = joints_below[link.name]
         stack += [(child, (*lasts[-room.trunk :], child is children[-1])) for child in reversed(children)]
         mass = "" if is_origin(robot, link) else f"{link.inertial.mass:.3g}"
-        name, kind = (base, "") if above is None else (above.name, above.type)
-        ranges = () if above is None else tuple(_ranges(above, rule_of_dof))
+        name, kind = (base, "") if joint_above is None else (joint_above.name, joint_above.type)
+        ranges = () if joint_above is None else tuple(_ranges(joint_above, rule_of_dof))
         parts = str(len(link.parts) or "") if room.parts else ""
         cells = (link.name, mass, parts, name, kind)
         yield Row(lasts, not children, cells, ranges)
@@ -209,8 +211,8 @@ def _line(cells: Cells, widths: Sequence[int], ranges: str) -> str:
     name, mass, parts, joint, kind = cells
     right = mass.rjust(widths[1]), parts.rjust(widths[2])
     texts = _padded(name, widths[0]), *right, _padded(joint, widths[3]), kind.ljust(widths[4])
-    shown = [text for text, width in zip(texts, widths, strict=True) if width]
-    return (" " * _GAP).join([*shown, ranges]).rstrip()
+    cells_with_width = [text for text, width in zip(texts, widths, strict=True) if width]
+    return (" " * _GAP).join([*cells_with_width, ranges]).rstrip()
 
 
 def _padded(text: str, width: int) -> str:

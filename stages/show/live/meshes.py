@@ -14,15 +14,17 @@ Shown = tuple[dict[str, Any], Source | None]
 """A geom of the header and the source of its triangles."""
 
 
-def stored_meshes(model: Any, shown: list[Shown], max_triangles: int, buffers: Buffers) -> dict[str, Any]:
+def stored_meshes(
+    model: Any, geom_sources: list[Shown], max_triangles: int, buffers: Buffers
+) -> dict[str, Any]:
     """Returns `geoms`, `meshes` and `simplified` of the header, with the key `mesh` of each geom.
 
     The visual meshes have at most `max_triangles` triangles together, and so have the meshes of the colliders
     and the ground. Meshes with equal content are stored once; geoms whose meshes have no triangles are
     dropped.
     """
-    facets = {source: _facets(model, source) for _, source in shown if source is not None}
-    simplified = _simplified(facets, shown, max_triangles)
+    facets = {source: _facets(model, source) for _, source in geom_sources if source is not None}
+    simplified = _simplified(facets, geom_sources, max_triangles)
     entries: dict[str, dict[str, Any]] = {}
     order: dict[str, int] = {}
     index_of_source: dict[Source, int | None] = {}
@@ -33,28 +35,36 @@ def stored_meshes(model: Any, shown: list[Shown], max_triangles: int, buffers: B
             entries[content] = entry
         index_of_source[key] = order.setdefault(content, len(order)) if entry["faces"] else None
     geoms = []
-    for geom, source in shown:
+    for geom, source in geom_sources:
         number = None if source is None else index_of_source[source]
         if source is None or number is not None:
             geoms.append({**geom, "mesh": number})
-    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(simplified, facets, shown)}
+    return {
+        "geoms": geoms,
+        "meshes": list(entries.values()),
+        "thinned": _summary(simplified, facets, geom_sources),
+    }
 
 
-def _simplified(facets: dict[Source, Facets], shown: list[Shown], max_triangles: int) -> dict[Source, Facets]:
+def _simplified(
+    facets: dict[Source, Facets], geom_sources: list[Shown], max_triangles: int
+) -> dict[Source, Facets]:
     simplified = dict(facets)
     for is_visual in (True, False):
         uses = Counter(
-            source for geom, source in shown if source is not None and (geom["role"] == "visual") == is_visual
+            source
+            for geom, source in geom_sources
+            if source is not None and (geom["role"] == "visual") == is_visual
         )
         simplified |= simplify_to_budget({source: simplified[source] for source in uses}, uses, max_triangles)
     return simplified
 
 
 def _summary(
-    simplified: dict[Source, Facets], facets: dict[Source, Facets], shown: list[Shown]
+    simplified: dict[Source, Facets], facets: dict[Source, Facets], geom_sources: list[Shown]
 ) -> dict[str, int] | None:
     """Returns the numbers of triangles after and before simplification; None if they are equal."""
-    uses = Counter(source for _, source in shown if source is not None)
+    uses = Counter(source for _, source in geom_sources if source is not None)
     faces, of_faces = (
         sum(len(meshes[source].corners) * count for source, count in uses.items())
         for meshes in (simplified, facets)

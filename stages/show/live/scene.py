@@ -73,12 +73,12 @@ def _head(live: LiveModel, robot: Robot, link_entries: list[dict[str, Any]]) -> 
 
 def _pack_with(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, faces: int) -> bytes:
     buffers = Buffers()
-    shown = stored_meshes(live.model, geoms(live), faces, buffers) if faces else {}
+    mesh_entries = stored_meshes(live.model, geoms(live), faces, buffers) if faces else {}
     if isinstance(engine, NoCopy):
-        return pack_bytes({**head, **shown, "engine": None, "no_engine": str(engine)}, buffers)
+        return pack_bytes({**head, **mesh_entries, "engine": None, "no_engine": str(engine)}, buffers)
     places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in engine.files.items()}
     copy = {"xml": engine.text, "files": places, "lacks": engine.lacks}
-    return pack_bytes({**head, **shown, "engine": copy, "no_engine": None}, buffers)
+    return pack_bytes({**head, **mesh_entries, "engine": copy, "no_engine": None}, buffers)
 
 
 def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:

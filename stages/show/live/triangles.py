@@ -65,8 +65,8 @@ def facets_of_hfield(model: Any, index: int) -> Facets:
     x, y, height, _ = (float(length) for length in model.hfield_size[index])
     start = int(model.hfield_adr[index])
     heights = model.hfield_data[start : start + rows * columns].astype(np.float64) * height
-    across, along = np.meshgrid(np.linspace(-x, x, columns), np.linspace(-y, y, rows))
-    points = np.stack([across.ravel(), along.ravel(), heights], axis=1)
+    grid_x, grid_y = np.meshgrid(np.linspace(-x, x, columns), np.linspace(-y, y, rows))
+    points = np.stack([grid_x.ravel(), grid_y.ravel(), heights], axis=1)
     grid = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
     corners = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)

@@ -20,12 +20,12 @@ def bones(positions: Numbers, parents: Sequence[int | None]) -> Iterator[Geom]:
     for position, parent in zip(positions, parents, strict=True):
         ball = (0.035 * extent,) * 3
         yield Geom("ellipsoid", ball, vector(position), vector(np.eye(3)), _JOINT_COLOUR)
-        along = position - positions[parent] if parent is not None else np.zeros(3)
-        length = float(np.linalg.norm(along))
+        offset = position - positions[parent] if parent is not None else np.zeros(3)
+        length = float(np.linalg.norm(offset))
         if length > 0:
-            z = along / length
+            z = offset / length
             x = np.cross(z, np.eye(3)[int(np.abs(z).argmin())])
             x = x / np.linalg.norm(x)
             rotation = np.stack([x, np.cross(z, x), z], axis=1)
             size = (0.014 * extent, length / 2)
-            yield Geom("capsule", size, vector(position - along / 2), vector(rotation), _BONE_COLOUR)
+            yield Geom("capsule", size, vector(position - offset / 2), vector(rotation), _BONE_COLOUR)

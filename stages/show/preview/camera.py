@@ -67,15 +67,15 @@ def framing(points: Numbers, backward: Numbers, width: int, height: int) -> Came
     depths = []
     for axis, size in enumerate((width, height)):
         slope = _MAX_FILLED_SHARE * size / 2 / focal
-        after = float((camera_points[:, axis] + slope * camera_points[:, 2]).max())
-        before = float((-camera_points[:, axis] + slope * camera_points[:, 2]).max())
-        position[axis] = (after - before) / 2
-        depths.append((after + before) / (2 * slope))
+        upper_extent = float((camera_points[:, axis] + slope * camera_points[:, 2]).max())
+        lower_extent = float((-camera_points[:, axis] + slope * camera_points[:, 2]).max())
+        position[axis] = (upper_extent - lower_extent) / 2
+        depths.append((upper_extent + lower_extent) / (2 * slope))
     position[2] = max(depths)
     return Camera(axes, axes @ position, width, height, float(focal))
 
 
-def turned(camera_backward: Numbers, angle: float) -> Numbers:
+def turned_about_z(camera_backward: Numbers, angle: float) -> Numbers:
     """Turns a direction about z by an `angle` [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y, z = camera_backward

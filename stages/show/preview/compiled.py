@@ -37,7 +37,7 @@ def look_of_files(path: str, files: Mapping[str, bytes]) -> Look:
     try:
         if path.endswith(".urdf"):
             text, meshes = urdf_text(path, files)
-            return look_of(compiled_text(text, meshes), _home(files["robot.json"]))
+            return look_of(compiled_text(text, meshes), _home_values(files["robot.json"]))
         for keeps_meshes in (False, True):
             model = mjcf_text(path, files, whole=keeps_meshes)
             try:
@@ -52,7 +52,7 @@ def look_of_files(path: str, files: Mapping[str, bytes]) -> Look:
     raise AssertionError
 
 
-def _home(robot: bytes) -> dict[str, float]:
+def _home_values(robot: bytes) -> dict[str, float]:
     """Returns the joints' values at home from robot.json, for a model without keyframes."""
     for keyframe in json.loads(robot).get("keyframes", []):
         if keyframe["name"] == "home":

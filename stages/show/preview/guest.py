@@ -51,7 +51,7 @@ def scene(request: bytes) -> LitRobot:
 def pictures(robot: LitRobot) -> dict[str, bytes]:
     """Returns the picture of a robot and a small picture, by name."""
     large = draw_picture(robot, *SIZE)
-    return {PICTURE: png.encode(large), SMALL: _small(large)}
+    return {PICTURE: png.encode(large), SMALL: _small_picture(large)}
 
 
 def reply(files: Mapping[str, bytes]) -> bytes:
@@ -60,7 +60,7 @@ def reply(files: Mapping[str, bytes]) -> bytes:
     return b"".join([json.dumps(head).encode(), b"\n", *files.values()])
 
 
-def _small(large: Pixels) -> bytes:
+def _small_picture(large: Pixels) -> bytes:
     """Returns the picture as a PNG, reduced until it has few enough bytes for a page."""
     for factor in REDUCTIONS:
         data = png.encode(reduce_picture(large, factor))

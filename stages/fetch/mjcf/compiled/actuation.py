@@ -32,15 +32,15 @@ and the motors of later versions are left out."""
 _DEFAULT_PARAMETERS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
 
 
-def carried_actuators(model: Any, kept: Collection[int]) -> tuple[int, ...]:
+def carried_actuators(model: Any, robot_bodies: Collection[int]) -> tuple[int, ...]:
     """Returns the numbers of the actuators that our model can have: those of hinges and slides of the bodies
-    `kept`, of a known type."""
+    `robot_bodies`, of a known type."""
     return tuple(
-        index for index in range(len(model.actuator_trntype)) if _is_carried_over(model, index, kept)
+        index for index in range(len(model.actuator_trntype)) if _is_carried_over(model, index, robot_bodies)
     )
 
 
-def _is_carried_over(model: Any, index: int, kept: Collection[int]) -> bool:
+def _is_carried_over(model: Any, index: int, robot_bodies: Collection[int]) -> bool:
     if int(model.actuator_trntype[index]) not in (
         mujoco.mjtTrn.mjTRN_JOINT,
         mujoco.mjtTrn.mjTRN_JOINTINPARENT,
@@ -51,7 +51,7 @@ def _is_carried_over(model: Any, index: int, kept: Collection[int]) -> bool:
     return (
         has_known_words
         and int(model.jnt_type[joint]) in _SCALAR_JOINTS
-        and int(model.jnt_bodyid[joint]) in kept
+        and int(model.jnt_bodyid[joint]) in robot_bodies
     )
 
 

@@ -21,7 +21,7 @@ _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The quaternion of no rotation."""
 
 
-def is_carried_over(model: Any, eq: int, kept: Collection[int]) -> bool:
+def is_carried_over(model: Any, eq: int, robot_bodies: Collection[int]) -> bool:
     """Tells whether our robot model can represent an equality: a connect, a weld, or a joint that follows
     another in proportion, between bodies that are kept."""
     kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
@@ -29,12 +29,14 @@ def is_carried_over(model: Any, eq: int, kept: Collection[int]) -> bool:
         return False
     if kind == mujoco.mjtEq.mjEQ_JOINT:
         is_proportional = second >= 0 and model.eq_data[eq][1] != 0 and not model.eq_data[eq][2:5].any()
-        return is_proportional and all(int(model.jnt_bodyid[joint]) in kept for joint in (first, second))
+        return is_proportional and all(
+            int(model.jnt_bodyid[joint]) in robot_bodies for joint in (first, second)
+        )
     if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
         return False
     if model.eq_objtype[eq] == OBJ.mjOBJ_SITE:
         first, second = int(model.site_bodyid[first]), int(model.site_bodyid[second])
-    return first in kept and second in kept
+    return first in robot_bodies and second in robot_bodies
 
 
 def _attributes(model: Any, eq: int) -> Attributes:

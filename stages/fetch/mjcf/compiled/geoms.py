@@ -79,7 +79,7 @@ class Geoms:
         self._model, self._meshes, self._textures = model, meshes, textures
         self._shown = any(is_visual_only(model, number) for number in range(model.ngeom))
 
-    def of(self, body: int) -> Iterator[MjcfGeom]:
+    def geoms_of(self, body: int) -> Iterator[MjcfGeom]:
         """Yields a body's shapes.
 
         A collision geom is visual too if the body has no visual geom of another group, unless it is in a

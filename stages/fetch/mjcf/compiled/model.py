@@ -68,7 +68,7 @@ def convert(
                 parent_from_body=pose_of(model.body_pos[body], model.body_quat[body]),
                 inertial=_inertial(model, body),
                 joints=joints_of(model, body, effort_limits),
-                geoms=tuple(geoms.of(body)) if body else (),
+                geoms=tuple(geoms.geoms_of(body)) if body else (),
                 sites=tuple(_site(model, site) for site in sites[body]),
                 axes=pose_of(np.zeros(3), model.body_iquat[body])[:3, :3] if body else None,
                 attributes=attributes(model, BODY, body),

@@ -33,8 +33,8 @@ def robot_bodies(model: Any) -> list[int]:
     def weight(choice: set[int]) -> tuple[int, int]:
         return sum(group in choice for group in actuated_groups), sum(group in choice for group in joints)
 
-    chosen = max((choice for choice in choices if choice), key=weight)
-    return [0, *(body for body, top in tops.items() if groups[top] in chosen)]
+    robot_groups = max((choice for choice in choices if choice), key=weight)
+    return [0, *(body for body, top in tops.items() if groups[top] in robot_groups)]
 
 
 def _top_bodies(model: Any) -> dict[int, int]:

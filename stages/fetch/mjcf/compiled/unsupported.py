@@ -27,22 +27,22 @@ _MAX_NAMES = 5
 def omission_reports(
     model: Any,
     spec: Any,
-    kept: Collection[int],
+    robot_bodies: Collection[int],
     textures: Textures,
     where: str,
-    lost: Collection[tuple[str, int]],
+    lost_elements: Collection[tuple[str, int]],
     driven: Collection[int] = (),
 ) -> Iterator[Diagnostic]:
     """Reports W-MJCF-LEFT for omissions that affect motion or contact, and I-MJCF-LEFT for the rest.
 
-    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: the
-    textures that are carried over; `lost`: (tag, number) of the elements that are not; `driven`: the
-    actuators that the robot has itself.
+    `spec`: the spec from which `model` was compiled. `robot_bodies`: the bodies that become links.
+    `textures`: the textures that are carried over; `lost_elements`: (tag, number) of the elements that are
+    not; `driven`: the actuators that the robot has itself.
     """
     omissions = [
-        *_geoms(model, kept),
+        *_geoms(model, robot_bodies),
         *element_omissions(model, textures.materials),
-        *_elements(model, lost, textures.carried_numbers),
+        *_elements(model, lost_elements, textures.carried_numbers),
         *keyframe_omissions(model, driven),
         *viewer_omissions(model),
         *file_omissions(spec),
@@ -57,10 +57,12 @@ def omission_reports(
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
-def scene_reports(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
+def scene_reports(model: Any, robot_bodies: Collection[int], where: str) -> Iterator[Diagnostic]:
     """Reports I-MJCF-SCENE for the bodies that are not part of the robot, and the geoms fixed to the
     world."""
-    bodies = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
+    bodies = [
+        body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in robot_bodies
+    ]
     world_geom_count = int((model.geom_bodyid == 0).sum())
     words = (
         [f"{count(len(bodies), 'body', 'bodies')} ({name_list(model.body(body).name for body in bodies)})"]
@@ -90,11 +92,11 @@ def _omission_of(words: str, affects_motion: bool, names: Iterable[str]) -> Iter
         yield Omission(words, affects_motion, all_names)
 
 
-def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
+def _geoms(model: Any, robot_bodies: Collection[int]) -> Iterator[Omission]:
     """Yields geoms that are left out, and the names of meshes that are only visible, which are joined."""
     all_geoms = range(model.ngeom)
     robot_geoms = [
-        geom for geom in all_geoms if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept
+        geom for geom in all_geoms if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in robot_bodies
     ]
     scene_geoms = [geom for geom in all_geoms if geom not in robot_geoms]
 
@@ -143,10 +145,12 @@ _NEVER_CARRIED_OVER = {
 changes motions."""
 
 
-def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collection[int]) -> Iterator[Omission]:
+def _elements(
+    model: Any, lost_elements: Collection[tuple[str, int]], textures: Collection[int]
+) -> Iterator[Omission]:
     """Yields the elements of each kind that are not carried over."""
     for tag, (kind, affects_motion) in _KINDS.items():
-        numbers = sorted(number for word, number in lost if word == tag)
+        numbers = sorted(number for word, number in lost_elements if word == tag)
         names = (name_of(model, getattr(mujoco.mjtObj, kind), number) for number in numbers)
         yield from _omission_of(tag, affects_motion, names)
     for words, (kind, field, affects_motion) in _NEVER_CARRIED_OVER.items():

@@ -208,16 +208,16 @@ class Client:
             hint = "make room there, or name another folder in the environment variable TMPDIR"
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
-    def _reply_error(self, lost: NoReply, call: ApiCall) -> Exception:
+    def _reply_error(self, failure: NoReply, call: ApiCall) -> Exception:
         """Returns the error for a missing or incomplete reply: `TemporaryFailure` if the call may be
         repeated."""
-        error = no_reply(lost, call.subject, self.host)
-        if lost.trouble is not None and lost.trouble.is_lasting and not lost.late:
+        error = no_reply(failure, call.subject, self.host)
+        if failure.trouble is not None and failure.trouble.is_lasting and not failure.late:
             return error
-        if call.method != "GET" and lost.begun and not call.restores:
+        if call.method != "GET" and failure.begun and not call.restores:
             hint = "the server may have made the change: check the document in the browser"
             return type(error)(error.message, error.where, hint)
-        return TemporaryFailure(error, "billed" if billed(lost.status) else "free", self._say)
+        return TemporaryFailure(error, "billed" if billed(failure.status) else "free", self._say)
 
     def _follow(self, call: ApiCall) -> HttpReply:
         """Returns the reply after all redirects. Each redirect is authenticated, and billed."""

@@ -78,8 +78,13 @@ def forms(text: str) -> frozenset[str]:
     escaped = {quote(form, safe="") for form in bare}
     escaped |= {re.sub("%..", lambda code: code[0].lower(), form) for form in escaped}
     for form in bare:
-        inside = json.dumps(form)[1:-1]
-        escaped |= {inside, inside.replace("/", "\\/"), html.escape(form), html.escape(form, quote=False)}
+        json_text = json.dumps(form)[1:-1]
+        escaped |= {
+            json_text,
+            json_text.replace("/", "\\/"),
+            html.escape(form),
+            html.escape(form, quote=False),
+        }
     return frozenset(bare | escaped)
 
 

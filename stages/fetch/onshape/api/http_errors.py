@@ -125,12 +125,12 @@ def unreached(trouble: ConnectionFault, host: str) -> Offline:
     return Offline(trouble.message, host, trouble.hint)
 
 
-def no_reply(lost: "NoReply", subject: str, host: str) -> SourceError:
+def no_reply(failure: "NoReply", subject: str, host: str) -> SourceError:
     """Returns the error for a missing or incomplete reply."""
-    if lost.trouble is not None and not lost.late:
-        return unreached(lost.trouble, host)
-    if lost.late or not lost.status:
-        return offline(subject, host, str(lost), late=lost.late)
+    if failure.trouble is not None and not failure.late:
+        return unreached(failure.trouble, host)
+    if failure.late or not failure.status:
+        return offline(subject, host, str(failure), late=failure.late)
     return cut_short(subject, host)
 
 

@@ -15,13 +15,13 @@ def run_all(work: Sequence[Callable[[], T]], at_once: int) -> list[Future[T]]:
     library's pool would wait at the process's end for a server that may take minutes.
     """
     futures: list[Future[T]] = [Future() for _ in work]
-    waiting = iter(zip(work, futures, strict=True))
+    remaining = iter(zip(work, futures, strict=True))
     lock, failed = Lock(), Event()
 
     def run() -> None:
         while not failed.is_set():
             with lock:
-                step = next(waiting, None)
+                step = next(remaining, None)
             if step is None:
                 return
             call, future = step

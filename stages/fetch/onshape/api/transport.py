@@ -123,10 +123,10 @@ class Wire:
                 # Not the method of a TLS socket, which first takes the encryption off.
                 socket.socket.shutdown(connected, socket.SHUT_RDWR)
 
-    def connected(self, opened: socket.socket) -> None:
+    def connected(self, new_socket: socket.socket) -> None:
         """Records a new socket."""
         with self._lock:
-            self._sockets.add(opened)
+            self._sockets.add(new_socket)
 
     def send(
         self,

@@ -113,9 +113,14 @@ class Workspace:
         return microversion if isinstance(microversion, str) else None
 
 
-def tabs_to_ask(url: AssemblyUrl, then: str, now: str, client: CachedClient) -> tuple[str, str]:
+def tabs_to_ask(
+    url: AssemblyUrl, old_microversion: str, new_microversion: str, client: CachedClient
+) -> tuple[str, str]:
     """Returns the requests that show the tabs that changed between two microversions of the assembly."""
-    pair = requests.elements(url.document, then), requests.elements(url.document, now)
+    pair = (
+        requests.elements(url.document, old_microversion),
+        requests.elements(url.document, new_microversion),
+    )
     for request in pair:
         client.require(request, lambda body: documents.require_tab(body, url.element))
     return pair

@@ -60,10 +60,10 @@ def _variables(
     if not replies:
         return variables
     # The workspace may have changed since: then these are not the variables of the build.
-    now = documents.microversion(
+    microversion = documents.microversion(
         client.uncached_reply(requests.current_microversion(url.document, url.pin[2:]))
     )
-    replies = {owner: reply for owner, reply in replies.items() if owner.key.pin == f"m/{now}"}
+    replies = {owner: reply for owner, reply in replies.items() if owner.key.pin == f"m/{microversion}"}
     for reply in replies.values():
         client.keep(reply.request, reply.body)
     return {**variables, **replies}

@@ -77,7 +77,7 @@ class LiveAnswers:
         """Sets the address to the user's configuration, and its microversion."""
         configured = ConfiguredAddress(self._url, self._keys.configuration, self._client)
         if self._workspace is None:
-            self._url = configured.at(self._pin)
+            self._url = configured.address_at(self._pin)
             return
         self._ask("asking how the assembly can be configured, and whether it changed")
         self._url, self._last_built, microversion = configured.current(force=self._keys.refresh)

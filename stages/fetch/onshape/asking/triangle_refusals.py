@@ -33,8 +33,8 @@ class Refusals:
 
     def is_due(self, gltf: str) -> bool:
         """Tells whether this build must ask for the faces again, if it may call."""
-        at = self._client.recall(_subject(gltf)).get("at", 0.0)
-        is_earlier = self._client.sweep is None or at < self._client.sweep.began
+        refused_at = self._client.recall(_subject(gltf)).get("at", 0.0)
+        is_earlier = self._client.sweep is None or refused_at < self._client.sweep.began
         return is_earlier and not self.is_settled(gltf)
 
     def carry(self, old: str, new: str) -> None:
@@ -42,11 +42,12 @@ class Refusals:
         if is_gltf(new) and self.is_settled(old):
             self._carried.add(new)
 
-    def keep(self, reused: Iterable[str], fresh: Iterable[str]) -> None:
-        """Stores the carried counts for replies that are `reused`; for `fresh` replies the count begins."""
-        for gltf in self._carried.intersection(reused).difference(fresh):
+    def keep(self, reused: Iterable[str], refetched: Iterable[str]) -> None:
+        """Stores the carried counts for replies that are `reused`; the count of `refetched` replies
+        begins."""
+        for gltf in self._carried.intersection(reused).difference(refetched):
             self.record_second(gltf)
-        for gltf in filter(is_gltf, fresh):
+        for gltf in filter(is_gltf, refetched):
             self.record_first(gltf)
         self._carried.clear()
 

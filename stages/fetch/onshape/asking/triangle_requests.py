@@ -225,22 +225,23 @@ def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> No
     """Raises Declined if triangles that were requested by part, or identified by shape, lack one of the
     parts."""
     try:
-        lacking = sorted(
+        missing_parts = sorted(
             set(need.parts) - triangles.ids_with_triangles(compact_triangles(request, body, mass))
         )
     except ProtocolError as error:
         raise Declined(error.message, error.where, error.hint) from error
-    if lacking:
-        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+    if missing_parts:
+        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(missing_parts)}"
         raise Declined(msg, hint="run the same command again; if it fails each time, report it")
 
 
 def _require_masses(need: Needs, body: bytes) -> None:
     """Raises ProtocolError if a reply with mass properties lacks those of a needed solid."""
     bodies = orjson.loads(body)["bodies"]
-    lacking = [part for part in need.solids if not bodies.get(part)]
-    if lacking:
-        msg = f"the mass properties of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+    missing_parts = [part for part in need.solids if not bodies.get(part)]
+    if missing_parts:
+        parts = ", ".join(missing_parts)
+        msg = f"the mass properties of part studio {need.studio.element} lack the parts {parts}"
         raise ProtocolError(msg, hint=_NOT_KEPT)
 
 
@@ -253,11 +254,11 @@ def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None
         _volumes(mass),
         triangles.ids_with_triangles(compact_triangles(request, body, mass)),
     )
-    lacking = [
+    missing_parts = [
         part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in bodies_with_triangles
     ]
-    if lacking:
-        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+    if missing_parts:
+        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(missing_parts)}"
         raise ProtocolError(msg, hint=_NOT_KEPT)
 
 

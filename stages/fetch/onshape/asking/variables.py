@@ -65,7 +65,7 @@ class Variables:
 
     def restore_left(self) -> None:
         """Restores the variables that a killed build had changed."""
-        if not self._url.pinned and not self._client.offline and self._left():
+        if not self._url.pinned and not self._client.offline and self._unrestored_changes():
             with self.undisturbed():
                 pass
 
@@ -77,10 +77,10 @@ class Variables:
         first.
         """
         with self._client.lock(self._subject):
-            left = self._left()
-            if left:
+            unrestored = self._unrestored_changes()
+            if unrestored:
                 self._progress("restoring the variables that a killed build had changed")
-                self._put_back([_Change(**change) for change in left], only_if_ours=True)
+                self._put_back([_Change(**change) for change in unrestored], only_if_ours=True)
             yield
 
     def set_values(self, settings: Mapping[str, Any]) -> AssemblyUrl:
@@ -90,13 +90,13 @@ class Variables:
         Raises SourceError with the variables that the document lacks; in that case no value is changed.
         """
         with self.undisturbed():
-            now = self._microversion()
-            microversion = self._client.recall(self._state(now, settings)).get("microversion")
+            microversion_before = self._microversion()
+            microversion = self._client.recall(self._state(microversion_before, settings)).get("microversion")
             if microversion:
                 return self._pinned(str(microversion))
             changes = self._changes(settings)
             if not changes:
-                return self._pinned(now)
+                return self._pinned(microversion_before)
             self._plan(len(settings), 2 * len(changes) + 2)
             self._client.remember(self._subject, {"changes": [_plain(change) for change in changes]})
             written: list[_Change] = []
@@ -265,7 +265,7 @@ class Variables:
         values = orjson.dumps(dict(settings), option=orjson.OPT_SORT_KEYS)
         return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
 
-    def _left(self) -> list[dict[str, Any]]:
+    def _unrestored_changes(self) -> list[dict[str, Any]]:
         changes = self._client.recall(self._subject).get("changes")
         return changes if isinstance(changes, list) else []
 

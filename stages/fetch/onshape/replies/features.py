@@ -80,7 +80,7 @@ def _lacks_limits(mate: _Record) -> bool:
 def _names(features: Any) -> Iterator[str]:
     """Yields the variables in the limits of all mates with enabled limits."""
     for feature in features:
-        parameters = list(map(_open, _open(feature).get("parameters") or ()))
+        parameters = list(map(_without_envelope, _without_envelope(feature).get("parameters") or ()))
         switches = [parameter for parameter in parameters if parameter.get("parameterId") == "limitsEnabled"]
         # A switch that the configuration sets may be on.
         if not any(switch.get("value") or "values" in switch for switch in switches):
@@ -89,13 +89,16 @@ def _names(features: Any) -> Iterator[str]:
             if str(parameter.get("parameterId")).startswith("limit"):
                 for setting in (
                     parameter,
-                    *(_open(_open(v).get("value")) for v in parameter.get("values") or ()),
+                    *(
+                        _without_envelope(_without_envelope(v).get("value"))
+                        for v in parameter.get("values") or ()
+                    ),
                 ):
                     if not setting.get("isNull"):
                         yield from _VARIABLE.findall(str(setting.get("expression") or ""))
 
 
-def _open(record: Any) -> _Record:
+def _without_envelope(record: Any) -> _Record:
     """Returns a feature or parameter without its envelope, if any."""
     inside = record.get("message") if isinstance(record, dict) else {}
     return inside if isinstance(inside, dict) else record

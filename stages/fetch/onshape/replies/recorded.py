@@ -64,10 +64,12 @@ class RecordedAnswers:
         part_replies = {
             part: self._find(requests.part_mass_properties(need.studio, part)) for part in need.parts
         }
-        lacking = [part for part, reply in part_replies.items() if reply is None]
-        if lacking:
+        missing_parts = [part for part, reply in part_replies.items() if reply is None]
+        if missing_parts:
             parts = (
-                "any of its parts" if len(lacking) == len(part_replies) else f"its parts {', '.join(lacking)}"
+                "any of its parts"
+                if len(missing_parts) == len(part_replies)
+                else f"its parts {', '.join(missing_parts)}"
             )
             msg = f"the bundle lacks the mass properties of part studio {need.studio.element} or of {parts}"
             raise SourceError(msg, self._where, "make the bundle again from a complete build")

@@ -48,12 +48,12 @@ def compact(reply: bytes, mass: bytes) -> bytes:
     bodies = []
     for name in sorted(assignment.meshes):
         node = nodes[assignment.meshes[name]]
-        points = _turned(node.points, assignment.rotation)
+        points = _rotated(node.points, assignment.rotation)
         bodies.append(body_arrays.merged(name, points, node.corners, node.colours, node.which))
     return body_arrays.encode(bodies)
 
 
-def _turned(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _rotated(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Returns the points (n, 3) under a rotation by right angles, exactly."""
     x, y, z = points.T
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=1)

@@ -88,20 +88,20 @@ class Document:
         if text[begin : begin + 1] == b"[":
             return Pieces(self, depth, begin, end)
         skeleton: list[bytes] = []
-        large: list[Any] = []
+        large_values: list[Any] = []
         copied = begin
         for first, last in self._within(depth + 1, begin, end):
             if last - first > _RUN_SIZE:
-                skeleton += [text[copied:first], b'{"\\u0000cut":%d}' % len(large)]
-                large.append(self.value(depth + 1, first, last))
+                skeleton += [text[copied:first], b'{"\\u0000cut":%d}' % len(large_values)]
+                large_values.append(self.value(depth + 1, first, last))
                 copied = last
         record = _parse(b"".join([*skeleton, text[copied:end]]))
         if not isinstance(record, dict):
             return record
         for key, value in record.items():
             cut = value.get(_CUT_KEY) if isinstance(value, dict) else None
-            if isinstance(cut, int) and 0 <= cut < len(large):
-                record[key] = large[cut]
+            if isinstance(cut, int) and 0 <= cut < len(large_values):
+                record[key] = large_values[cut]
         return record
 
     def runs(self, depth: int, begin: int, end: int) -> Iterator[list[Any]]:
@@ -117,8 +117,8 @@ class Document:
         group = first_element
         last = first_element
         for first, close in self._within(depth + 1, begin, end):
-            between = self._text[last:first].strip(_SPACE)
-            if between != (b"" if last == first_element else b","):
+            separator = self._text[last:first].strip(_SPACE)
+            if separator != (b"" if last == first_element else b","):
                 msg = "an array has something else between its elements than a comma"
                 raise MalformedError(msg)
             if close - first > _RUN_SIZE:

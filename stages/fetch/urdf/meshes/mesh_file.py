@@ -62,7 +62,7 @@ def read(data: bytes, name: str, companions: Companions) -> LooseMesh:
             textures = obj_textures(companions) if kind == "obj" else {}
             content = _PREPARATIONS.get(kind, bytes)(data)
             if kind == "stl" and is_binary_stl(content):
-                return _of_binary_stl(content)
+                return _read_binary_stl(content)
             if kind in ("gltf", "glb"):
                 gltf_claims.check_claims(data, companions.files)
                 content, gltf_images = gltf_materials.prepare(data, companions.files, companions.images)
@@ -207,7 +207,7 @@ def _node_mesh(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseM
     return LooseMesh(points, corners, colours, colour_indices, (texture,) * len(colours), texcoords)
 
 
-def _of_binary_stl(data: bytes) -> LooseMesh:
+def _read_binary_stl(data: bytes) -> LooseMesh:
     """Returns the triangles of a binary STL, which has nothing else. Equal points are merged, so that no use
     of a large file needs to sort all of its corners again."""
     corners = mesh_points(".stl", data)
@@ -249,13 +249,13 @@ def _shades(shape: Any) -> npt.NDArray[np.int64] | None:
     if kind in ("vertex", "face"):
         shades = np.asarray(shape.visual.face_colors, dtype=np.int64).reshape(-1, 4)
         if len(shades) == len(shape.faces):
-            return _coarse(shades)
+            return _with_few_colours(shades)
     if kind == "texture" and shape.visual.material is not None:
         return np.asarray(shape.visual.material.main_color, dtype=np.int64).reshape(1, 4)
     return None
 
 
-def _coarse(shades: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _with_few_colours(shades: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Rounds colours until they are few."""
     for levels in (255, 15, 7, 3, 1):
         rounded = np.rint(np.rint(shades * (levels / 255)) * (255 / levels)).astype(np.int64)

@@ -69,7 +69,7 @@ def shape_of(body: body_arrays.Body, volume: float | None) -> PartShape | None:
         return PartShape("shell", _shell(corners, sizes), 0.0)
     # The areas of a closed surface add up to nothing, however its triangles are joined.
     if np.linalg.norm(areas.sum(axis=0)) <= NET_AREA_TOLERANCE * sizes.sum():
-        solid = _solid(body, volume)
+        solid = _solid_shape(body, volume)
         if solid is not None:
             return solid
     if volume > 0:
@@ -77,7 +77,7 @@ def shape_of(body: body_arrays.Body, volume: float | None) -> PartShape | None:
     return PartShape("shell", _shell(corners, sizes), 0.0)
 
 
-def _solid(body: body_arrays.Body, volume: float) -> PartShape | None:
+def _solid_shape(body: body_arrays.Body, volume: float) -> PartShape | None:
     try:
         solid = solid_inertia(body.points, body.triangles, 1.0)
     except ValueError:

@@ -65,20 +65,20 @@ def _poses_around(view: MateView, size: float) -> list[Array]:
     back = inverse(chain(view.dofs, view.saved))
     for _ in range(_SAMPLES):
         values = [
-            _near(value, rng.uniform(-1.0, 1.0, 4), size if dof.kind == "slide" else 1.0)
+            _value_near(value, rng.uniform(-1.0, 1.0, 4), size if dof.kind == "slide" else 1.0)
             for dof, value in zip(view.dofs, view.saved, strict=True)
         ]
-        moved = chain(view.dofs, values) @ back
-        displacements.append(view.second @ moved @ inverse(view.second))
+        displaced_pose = chain(view.dofs, values) @ back
+        displacements.append(view.second @ displaced_pose @ inverse(view.second))
     return displacements
 
 
-def _near(value: Value, step: Array, unit: float) -> Value:
+def _value_near(value: Value, step: Array, unit: float) -> Value:
     if not isinstance(value, tuple):
         return value + float(step[0]) * unit
     # Beside the scalar part 2, a vector part of entries up to 1 gives a turn of less than a right angle.
-    turned = rotation_from_quat(np.array(value)) @ rotation_from_quat(np.array([2.0, *step[1:]]))
-    return tuple(float(number) for number in quat_from_rotation(turned))
+    rotation = rotation_from_quat(np.array(value)) @ rotation_from_quat(np.array([2.0, *step[1:]]))
+    return tuple(float(number) for number in quat_from_rotation(rotation))
 
 
 def changes(view: MateView, displacement: Array) -> Array:

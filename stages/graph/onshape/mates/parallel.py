@@ -215,10 +215,12 @@ def _slider(views: Sequence[MateView], axis: Array, assembly: Assembly) -> MateV
         [float(axis @ mate_view.second[:3, :3] @ dof.axis) for dof in mate_view.dofs if dof.kind == "slide"]
         for mate_view in views
     ]
-    along = [max(map(abs, share), default=0.0) for share in shares]
-    exact = [index for index, share in enumerate(along) if share > 1 - ANGLE_TOLERANCE]
-    chosen = (exact or [index for index, share in enumerate(along) if share > ANGLE_TOLERANCE])[0]
-    source, share = views[chosen], np.array(shares[chosen])
+    cosines = [max(map(abs, share), default=0.0) for share in shares]
+    parallel_views = [index for index, share in enumerate(cosines) if share > 1 - ANGLE_TOLERANCE]
+    view_index = (
+        parallel_views or [index for index, share in enumerate(cosines) if share > ANGLE_TOLERANCE]
+    )[0]
+    source, share = views[view_index], np.array(shares[view_index])
     axis = math.copysign(1.0, share[np.argmax(np.round(np.abs(share), 6))]) * axis
     middle = (source.first[:3, 3] + source.second[:3, 3]) / 2
     reference = int(np.argmin(np.round(np.abs(source.second[:3, :3].T @ axis), 6)))

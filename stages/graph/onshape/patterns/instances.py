@@ -106,10 +106,10 @@ class _Copier:
     def mates(self, mate: Mate) -> Iterator[tuple[Mate, _Image]]:
         """Yields the copies of a mate, those of its copies included: a single mate for each copied instance,
         however often that is listed."""
-        waiting: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
+        pending: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
         copied: set[Path] = set()
         owner, rigid = mate.ref.owner, mate.ref.type == "FASTENED"
-        for source, target_copies in waiting:
+        for source, target_copies in pending:
             feature = Feature(mate.title, tuple(e.path for e in source.entities), rigid)
             for image in self._images(owner, feature, target_copies):
                 if image.copy in copied:
@@ -120,20 +120,20 @@ class _Copier:
                     image.series.copies_with_joints |= image.target_copies
                     self.repeated.add((mate.ref.owner, mate.ref.feature))
                 copy = self._mate(mate.ref.name, source, image)
-                waiting.append((copy, image.target_copies))
+                pending.append((copy, image.target_copies))
                 yield copy, image
 
     def groups(self, group: MateGroup) -> Iterator[tuple[MateGroup, _Image]]:
         """Yields the copies of a mate group, those of its copies included."""
-        waiting: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
+        pending: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
         copied: set[Path] = set()
-        for source, target_copies in waiting:
+        for source, target_copies in pending:
             feature = Feature(group.title, tuple(source.members), True)
             for image in self._images(group.owner, feature, target_copies):
                 if image.copy not in copied:
                     copied.add(image.copy)
                     copy = MateGroup(group.owner, group.title, image.places)
-                    waiting.append((copy, image.target_copies))
+                    pending.append((copy, image.target_copies))
                     yield copy, image
 
     def _images(
@@ -197,12 +197,12 @@ class _Copier:
         if partners and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
             series.carried_mates.add(feature.title)
             return None
-        moved = self._moved_places(series, feature, copies)
-        if moved is None:
+        moved_places = self._moved_places(series, feature, copies)
+        if moved_places is None:
             return None
         on_copies = tuple(copies[index][1] if index in copies else () for index in range(len(places)))
         target_copies = frozenset(copy for _, copy in target_pairs)
-        return _Image(series, number, target_pairs[0][1], moved, on_copies, target_copies)
+        return _Image(series, number, target_pairs[0][1], moved_places, on_copies, target_copies)
 
     def _moved_places(
         self, series: CopySeries, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
@@ -258,12 +258,12 @@ class _Copier:
                 for path, _ in relation.mates
                 for depth in range(len(relation.owner) + 1, len(path) + 1)
             ]
-            inside = any(
+            is_inside = any(
                 series.unsupported_copies and series.pattern.owner == relation.owner
                 for path in copied_below
                 for series in self.by_seed.get(path, ())
             )
-            if inside or any(mate in self.repeated for mate in relation.mates):
+            if is_inside or any(mate in self.repeated for mate in relation.mates):
                 message = "a pattern or mirror repeats its joints, but the copies are not related"
                 self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
@@ -296,18 +296,18 @@ def _holding_mates(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image
     Connected copies are welded to the rest by a single mate: several would also freeze the joints between the
     copies. FASTENED mates stay.
     """
-    rest: Path = ()
-    fixed = nx.utils.UnionFind([rest])
+    origin: Path = ()
+    rigid_groups = nx.utils.UnionFind([origin])
     for image in groups:
-        fixed.union(*image.target_copies, *(() if image.inside else (rest,)))
+        rigid_groups.union(*image.target_copies, *(() if image.inside else (origin,)))
 
     def weld_order(copy: tuple[Mate, _Image]) -> tuple[object, ...]:
         mate, image = copy
         return mate.ref.type != "FASTENED", not image.inside, mate.title, mate.key
 
-    chosen = []
+    holding_mates = []
     for mate, image in sorted(mates, key=weld_order):
-        if mate.ref.type == "FASTENED" or image.inside or fixed[image.copy] != fixed[rest]:
-            fixed.union(*image.target_copies, *(() if image.inside else (rest,)))
-            chosen.append(mate)
-    return chosen
+        if mate.ref.type == "FASTENED" or image.inside or rigid_groups[image.copy] != rigid_groups[origin]:
+            rigid_groups.union(*image.target_copies, *(() if image.inside else (origin,)))
+            holding_mates.append(mate)
+    return holding_mates

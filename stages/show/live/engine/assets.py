@@ -40,13 +40,13 @@ def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, byte
     contents = {
         asset: (folder / base / asset.get("file")).read_bytes() for asset in used_assets if asset.get("file")
     }
-    large = sum(map(len, contents.values())) > MAX_MESH_BYTES
+    exceeds_limit = sum(map(len, contents.values())) > MAX_MESH_BYTES
     files: dict[str, bytes] = {}
     hulls = 0
     for number, asset in enumerate(used_assets):
         suffix = PurePosixPath(asset.get("file", "")).suffix.lower()
         data = contents.get(asset)
-        if tag(asset) == "mesh" and (large or is_newer_shape(asset)):
+        if tag(asset) == "mesh" and (exceeds_limit or is_newer_shape(asset)):
             suffix, data = ".msh", _hull(asset, model)
             hulls += 1
         if data is not None:
@@ -58,11 +58,13 @@ def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, byte
 
 def _keep_used(root: Element) -> Iterator[Element]:
     """Yields the used meshes and height fields, each with a name, and removes the unused ones."""
-    used = {(kind, node.get(kind)) for node in root.iter() for kind in ("mesh", "hfield") if node.get(kind)}
+    used_names = {
+        (kind, node.get(kind)) for node in root.iter() for kind in ("mesh", "hfield") if node.get(kind)
+    }
     for section in root.iterchildren("asset"):
         for asset in [node for node in section if tag(node) in ("mesh", "hfield")]:
             name = asset.get("name") or PurePosixPath(asset.get("file", "")).stem
-            if (tag(asset), name) in used:
+            if (tag(asset), name) in used_names:
                 asset.set("name", name)
                 yield asset
             else:

@@ -63,6 +63,6 @@ def _remove_unknown(node: Element, path: tuple[str, ...]) -> Iterator[dict[str, 
             yield from _remove_unknown(child, (*path, tag(child)))
 
 
-def _lack(missing: str, node: Element, instead: str) -> dict[str, str]:
+def _lack(feature: str, node: Element, instead: str) -> dict[str, str]:
     name = node.get("name") or node.get("class")
-    return {"what": missing, "place": f"{tag(node)} {name}" if name else tag(node), "instead": instead}
+    return {"what": feature, "place": f"{tag(node)} {name}" if name else tag(node), "instead": instead}

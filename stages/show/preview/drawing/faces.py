@@ -112,14 +112,14 @@ class Faces:
         return reflected
 
 
-def _shares_of(placed: Single) -> Single:
+def _shares_of(picture_corners: Single) -> Single:
     """Returns a linear function of the place in the picture for each corner of triangles (n, 3, 3) in the
     picture: the change of the corner's share to the right and downwards, and its value at the origin.
 
     They are the shares in the picture times the corner's nearness, and so the shares in space, up to a common
     factor.
     """
-    a, b, c = np.moveaxis(placed.astype(np.float64), 1, 0)
+    a, b, c = np.moveaxis(picture_corners.astype(np.float64), 1, 0)
     by_corner = []
     for second, third, first in ((b, c, a), (c, a, b), (a, b, c)):
         right, down = second[:, 1] - third[:, 1], third[:, 0] - second[:, 0]
@@ -135,8 +135,8 @@ def _facing(normals: Single, toward: Single) -> Single:
     """Turns normals to the viewer's side and normalizes them; a zero normal becomes the direction to the
     viewer."""
     facing = unit(normals)
-    missing = np.flatnonzero(dot(facing, facing) < 0.5)
-    facing[missing] = toward[missing]
+    zero_normals = np.flatnonzero(dot(facing, facing) < 0.5)
+    facing[zero_normals] = toward[zero_normals]
     away = np.flatnonzero(dot(facing, toward) < 0)
     facing[away] *= -1
     return np.asarray(facing)

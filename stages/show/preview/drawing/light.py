@@ -119,27 +119,27 @@ def sky_lamps(shadows: ShadowCasters) -> list[Lamp]:
 
 
 def _lamp(direction: Numbers, power: float, is_key: bool, points: Single, pixel: float) -> Lamp:
-    across = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
-    across = across / np.linalg.norm(across)
+    side_axis = np.cross(direction, np.eye(3)[int(np.abs(direction).argmin())])
+    side_axis = side_axis / np.linalg.norm(side_axis)
     side = int(np.ceil(2 * _MAX_COORDINATE / pixel))
-    rows = np.stack([across / pixel, np.cross(direction, across) / pixel, direction])
+    rows = np.stack([side_axis / pixel, np.cross(direction, side_axis) / pixel, direction])
     lamp_from_world = rows.astype(np.float32)
     right, down, near = points @ lamp_from_world.T[:, 0], points @ lamp_from_world.T[:, 1], points @ rows[2]
     index = (down + side / 2).astype(np.int32) * side + (right + side / 2).astype(np.int32)
     image = np.full(side * side, -np.inf, dtype=np.float32)
     np.maximum.at(image, index, near.astype(np.float32))
-    closed = _closed(image.reshape(side, side))
-    return Lamp(direction.astype(np.float32), power, is_key, closed, lamp_from_world, pixel)
+    filled = _without_holes(image.reshape(side, side))
+    return Lamp(direction.astype(np.float32), power, is_key, filled, lamp_from_world, pixel)
 
 
-def _closed(near: Single) -> Single:
+def _without_holes(near: Single) -> Single:
     """Fills holes of a pixel, which the cloud of points may leave: between two neighbours the picture becomes
     at least as near as the farther of them."""
-    closed = near.copy()
-    inner = closed[1:-1, 1:-1]
+    filled = near.copy()
+    inner = filled[1:-1, 1:-1]
     np.maximum(inner, np.minimum(near[1:-1, :-2], near[1:-1, 2:]), out=inner)
     np.maximum(inner, np.minimum(near[:-2, 1:-1], near[2:, 1:-1]), out=inner)
-    return closed
+    return filled
 
 
 def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
@@ -168,8 +168,8 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     # back.
     u = (column + np.float32(0.5)) / along[number].astype(np.float32)
     v = (row + np.float32(0.5)) / (2 * up[number]).astype(np.float32)
-    beyond = u + v > 1
-    u, v = np.where(beyond, 1 - u, u), np.where(beyond, 1 - v, v)
+    is_beyond = u + v > 1
+    u, v = np.where(is_beyond, 1 - u, u), np.where(is_beyond, 1 - v, v)
     start, end, top = (corners[large, (longest[large] + turn) % 3] for turn in range(3))
     points = start[number]
     points += u[:, None] * (end - start)[number]
@@ -191,8 +191,8 @@ def _cell_centres(points: Single, cell: float) -> Single:
 
 def _tilted(towards: Numbers, tilt: float, turn: float) -> Numbers:
     """Tilts a direction by the angle `tilt` [rad], towards a side that `turn` [rad] chooses."""
-    across = np.cross(towards, np.eye(3)[int(np.abs(towards).argmin())])
-    across = across / np.linalg.norm(across)
-    third = np.cross(towards, across)
-    aside = np.cos(turn) * across + np.sin(turn) * third
+    side_axis = np.cross(towards, np.eye(3)[int(np.abs(towards).argmin())])
+    side_axis = side_axis / np.linalg.norm(side_axis)
+    third = np.cross(towards, side_axis)
+    aside = np.cos(turn) * side_axis + np.sin(turn) * third
     return np.asarray(np.cos(tilt) * towards + np.sin(tilt) * aside)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.stages.show.preview.camera import turned
+from linkwright.stages.show.preview.camera import turned_about_z
 from linkwright.stages.show.preview.drawing.light import (
     Lamp,
     ShadowCasters,
@@ -73,12 +73,12 @@ def studio(surface: Triangles, backward: Numbers) -> LitRobot:
 
 def turned_by(scene: LitRobot, angle: float) -> LitRobot:
     """Returns the robot turned by an angle [rad] before a camera and a key light that keep their places."""
-    backward = turned(scene.backward, -angle)
-    flat = np.array([backward[0], backward[1], 0.0])
-    horizontal_length = float(np.linalg.norm(flat))
-    front = flat / horizontal_length if horizontal_length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    backward = turned_about_z(scene.backward, -angle)
+    horizontal = np.array([backward[0], backward[1], 0.0])
+    horizontal_length = float(np.linalg.norm(horizontal))
+    front = horizontal / horizontal_length if horizontal_length > 1e-6 else np.array([1.0, 0.0, 0.0])
     # From above, and from the left of the camera, but not so far that the front is dark.
-    key = turned(front, _KEY_AZIMUTH) + np.array([0.0, 0.0, _KEY_HEIGHT])
+    key = turned_about_z(front, _KEY_AZIMUTH) + np.array([0.0, 0.0, _KEY_HEIGHT])
     key /= np.linalg.norm(key)
     return replace(scene, backward=backward, key=key, lamps=[*key_lamps(key, scene.shadows), *scene.sky])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.show.preview import solids
-from linkwright.stages.show.preview.camera import _MAX_FILLED_SHARE, framing, turned
+from linkwright.stages.show.preview.camera import _MAX_FILLED_SHARE, framing, turned_about_z
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
 from linkwright.stages.show.preview.thinning import merge_details
@@ -155,4 +155,4 @@ def test_up_is_up_and_a_turn_is_about_the_vertical():
     low, high, left, right = camera.projected(np.array([[0, 0, -1], [0, 0, 1], [-1, 0, 0], [1, 0, 0.0]]))
     assert (low[1] > high[1], left[0] < right[0]) == (True, True)
     assert np.linalg.det(camera.world_from_camera) == pytest.approx(1.0)
-    assert turned(np.array([1.0, 0.0, 0.5]), np.pi / 2) == pytest.approx([0, 1, 0.5])
+    assert turned_about_z(np.array([1.0, 0.0, 0.5]), np.pi / 2) == pytest.approx([0, 1, 0.5])
