@@ -51,7 +51,7 @@ class SweepState:
     budget."""
 
     began: float
-    """When the first fetch began [s since the epoch]."""
+    """Time at which the first fetch began [s since the epoch]."""
 
     made: int = 0
     """Calls that all fetches of the sweep made so far; `source.max_calls` limits their sum."""

@@ -9,7 +9,7 @@
 - mass_section: Configuration of the graph stage: masses.
 - mechanism: Describes a mechanism at its saved pose: rigid bodies and the connections between them, without a
   root.
-- naming: Keeps the names of a robot's own file where the target formats allow them, and maps the others.
+- naming: Keeps the names of a robot's own file if the target formats allow them, and replaces the others.
 - relation_steps: Groups relations between dofs into trees of steps, in each of which one dof drives all
   others.
 - robot_from_tree: Builds a robot from a mechanism and its tree: frames, joints, loops and links.

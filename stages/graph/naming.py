@@ -1,4 +1,4 @@
-"""Keeps the names of a robot's own file where the target formats allow them, and maps the others."""
+"""Keeps the names of a robot's own file if the target formats allow them, and replaces the others."""
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ class FileNames(Generic[Key, FrameKey]):
     links: Mapping[Key, str]
     frames: Mapping[FrameKey, str]
     joints: Mapping[Key, str]
-    """By joint (URDF), or by the body that moves (MJCF)."""
+    """Names of joints, by the joint in the file (URDF), or by the body that it moves (MJCF)."""
     dofs: Mapping[Key, tuple[str, ...]]
-    """In order, by the same keys as `joints`."""
+    """Names of each joint's dofs in order, by the same keys as `joints`."""
     relations: Mapping[Key, str]
-    """By the joint that follows, or by number."""
+    """Names of relations, by the joint that follows (URDF), or by their number (MJCF)."""
     loops: Mapping[Key, tuple[str, str]]
     """Names of each equality that closes a loop, and of the dof that it may have."""
 
@@ -73,7 +73,8 @@ class Namer:
         return names
 
     def make(self, kind: str, proposal: str) -> str:
-        """Returns a name for something unnamed in the source: `proposal`, with a number where it is taken."""
+        """Returns a name for something unnamed in the source: `proposal`, with a number if another thing has
+        it."""
         name = free(proposal, self._all_names)
         self._all_names.add(name)
         self._taken.setdefault(kind, set()).add(name)

@@ -15,7 +15,7 @@ kind.
 - link_mesh: Collects findings about the meshes of a link's parts, and encodes the link's visual meshes.
 - link_uses: Collects the parts of each link that have a mesh, and makes the link's visual meshes from them.
 - makers: Maps the names of collider makers to their modules.
-- motion_digest: Computes a digest of everything that decides where the links of a robot are.
+- motion_digest: Computes a digest of everything on which the poses of a robot's links depend.
 - part_choices: Chooses for each part whether it is seen and solid, the maker of its collider, and the
   collider's contact.
 - part_mesh: Reads the mesh of each part: its triangles, welded to a surface.

@@ -1,4 +1,4 @@
-"""Computes a digest of everything that decides where the links of a robot are."""
+"""Computes a digest of everything on which the poses of a robot's links depend."""
 
 import hashlib
 from collections.abc import Sequence
@@ -10,7 +10,8 @@ from linkwright.stages.robot.motion.start_pose import HOME
 
 
 def motion_digest(robot: Robot) -> str:
-    """Returns a digest of all that decides where links are; masses, dynamics and CAD origins are left out."""
+    """Returns a digest of all on which the links' poses depend; masses, dynamics and CAD origins are left
+    out."""
 
     def plain_dofs(group: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in group]

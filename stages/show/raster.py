@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 Corners = npt.NDArray[np.floating[Any]]
-"""(m, 3, 3): three numbers for each corner of a triangle: its distance [pixels] to the right and down in the
-picture, and its nearness to the viewer."""
+"""Corners (m, 3, 3) of triangles in a picture: pixels to the right, pixels down, and nearness to the
+viewer."""
 Pixels = npt.NDArray[np.uint8]
-"""(height, width, 3): red, green and blue, the first row at the top."""
+"""Pixels (height, width, 3) as red, green and blue, the first row at the top."""
 Numbers = npt.NDArray[np.floating[Any]]
 Indices = npt.NDArray[np.integer[Any]]
 
@@ -91,7 +91,8 @@ def _batches(corners: Corners, triangle_indices: Indices) -> Iterator[Indices]:
 
 
 def _covered_pixels(corners: Corners, width: int, height: int) -> tuple[Indices, Indices, Indices, Numbers]:
-    """Returns the pixels whose centres are in a triangle: triangle, row, column, and nearness to the viewer.
+    """Returns, for each pixel whose centre is in a triangle, in arrays (n,): the triangle, the pixel's
+    row and column, and the triangle's nearness to the viewer there.
 
     Each row of pixels is filled between the places where it enters and leaves the triangle.
     """

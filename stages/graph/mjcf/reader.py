@@ -58,7 +58,7 @@ class _Pose:
 
 
 def read_mechanism(bundle: Bundle, keys: GraphSections, log: Diagnostics) -> tuple[Mechanism, GraphSections]:
-    """Reads a compiled MJCF. Raises ProtocolError where the bundle does not contain a compiled MJCF."""
+    """Reads a compiled MJCF. Raises ProtocolError if the bundle does not contain one."""
     mjcf = _decode(bundle)
     log.add(mjcf.diagnostics)
     report_unused(keys, "MJCF", log)

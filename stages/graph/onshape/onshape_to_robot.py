@@ -96,7 +96,7 @@ def _with_values(keys: AnySection, **values: object) -> AnySection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Marker:
-    """A frame, and the instance that only shows where it is."""
+    """A frame, with the instance that only marks its place and is left out."""
 
     connector: Connector
     instance: Path

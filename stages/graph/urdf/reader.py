@@ -185,7 +185,7 @@ def _with_saved_values(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[
 
 
 def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
-    """Returns world_from_link (4, 4) of every link, where the dofs are as saved; every root is at the
+    """Returns world_from_link (4, 4) of every link at the saved values of the dofs; every root is at the
     origin."""
     joints_below: dict[str, list[UrdfJoint]] = {}
     for joint in urdf.joints:

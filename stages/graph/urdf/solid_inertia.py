@@ -53,7 +53,7 @@ def _is_closed(corners: npt.NDArray[np.int64]) -> bool:
 
 
 def _hull(points: Array) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Returns the convex hull's points and triangles, facing outwards; raises ValueError where the points are
+    """Returns the convex hull's points and triangles, facing outwards; raises ValueError if the points are
     flat."""
     try:
         hull = ConvexHull(points)

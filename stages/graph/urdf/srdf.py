@@ -94,8 +94,8 @@ class SrdfReader:
         self.groups: dict[str, SrdfGroup] = self._first_of_name(srdf.groups, "group")
 
     def semantics(self) -> tuple[RobotSemantics, str]:
-        """Returns everything except the poses: joints, links and frames by their names in the URDF; and the
-        type of the base, "" where the SRDF does not say it."""
+        """Returns everything except the poses, with joints, links and frames by their names in the URDF; and
+        the type of the base, "" if the SRDF does not state it."""
         base, kind = self._base()
         groups = tuple(self._groups())
         passive = dict.fromkeys(self._known_names(self.joints, "joint", self.srdf.passive, "a passive joint"))

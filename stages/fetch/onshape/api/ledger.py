@@ -77,9 +77,8 @@ class Ledger:
     def note(self, kind: str, status: int, left: int | None = None) -> str:
         """Records a billed reply, or the reply that reports a used-up quota (402).
 
-        `left`: calls left in the window of this endpoint. A ledger that cannot be written is no reason to
-        lose a billed reply: the call is then not counted. Returns the reason for that in words, "" if the
-        call was counted.
+        `left`: calls left in the window of this endpoint. If the ledger cannot be written, the call is not
+        counted, but the reply is kept; returns the reason in words, "" if the call was counted.
         """
         if not billed(status) and status != 402:
             return ""

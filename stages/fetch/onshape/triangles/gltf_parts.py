@@ -18,7 +18,7 @@ from linkwright.stages.formats.meshes.gltf import Node
 from linkwright.stages.robot.errors import ProtocolError
 
 _MIN_VOLUME_SHARE = 1e-9
-"""Share of the cube of its size up to which a mesh encloses next to nothing."""
+"""Volumes of meshes up to this share of the cube of their size count as no volume."""
 
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
@@ -60,8 +60,7 @@ def _rotated(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64])
 
 
 def _figures_of_node(node: Node) -> BodyFigures:
-    """Returns the figures of a node's mesh; figures that need a volume are None if it encloses next to
-    nothing."""
+    """Returns the figures of a node's mesh; centroid and gyration are None if it encloses no volume."""
     centre_of_box = (node.points.min(axis=0) + node.points.max(axis=0)) / 2
     corners = (node.points - centre_of_box)[node.corners]
     a, b, c = np.moveaxis(corners, 1, 0)

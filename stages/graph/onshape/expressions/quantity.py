@@ -70,7 +70,7 @@ class Quantity:
         return self.like(-self.value)
 
     def apply_operator(self, sign: str, other: "Quantity") -> "Quantity | bool":
-        """Returns `self sign other`; raises ExpressionError where the dimensions do not allow it."""
+        """Returns `self sign other`; raises ExpressionError if the dimensions do not allow it."""
         if sign == "*":
             product = self.value * other.value
             return Quantity(product, self.length + other.length, self.angle + other.angle).checked()

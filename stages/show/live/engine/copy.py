@@ -30,7 +30,7 @@ _UNSUPPORTED = ("plugin", "extension", "attach", "model", "composite")
 
 
 class NoCopy(Exception):
-    """There is no copy of the model for the page's engine; the text is the reason."""
+    """An error for a model of which the page's engine cannot have a copy; its text is the reason."""
 
 
 @dataclass(frozen=True, slots=True)
