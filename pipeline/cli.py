@@ -157,6 +157,6 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
-    from linkwright.pipeline.sweep.command import sweep, write_plan  # a single build needs none of it
+    from linkwright.pipeline.sweep.command import run_sweep, write_plan  # a single build needs none of it
 
-    return write_plan(command) if command.plan else sweep(command, build)
+    return write_plan(command) if command.plan else run_sweep(command, build)

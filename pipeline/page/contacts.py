@@ -9,7 +9,7 @@ from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 
 
-def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
+def excluded_pairs_section(excludes: Sequence[Mapping[str, Any]]) -> str:
     """Renders a table of the excluded pairs, with reason, depth and colliders. Pairs with a joint between
     them are in a second table, which is folded."""
     if not excludes:

@@ -10,7 +10,7 @@ from linkwright.pipeline.page.changed import changed
 from linkwright.pipeline.page.checks import checks
 from linkwright.pipeline.page.codes import codes, problems_of
 from linkwright.pipeline.page.colliders import colliders
-from linkwright.pipeline.page.contacts import contacts
+from linkwright.pipeline.page.contacts import excluded_pairs_section
 from linkwright.pipeline.page.files import files, variants
 from linkwright.pipeline.page.findings import diagnostics_section, error_section
 from linkwright.pipeline.page.fix_first import MAX_FIXES, fix_first, fixes
@@ -78,7 +78,7 @@ def frame(
         ReportSection("joints", "Joints", tables_of("Joints", tables)),
         ReportSection("masses", "Masses", tables_of("Masses", tables)),
         ReportSection("colliders", "Colliders", colliders(details, stage_views.get(PICTURES, ""), secrets)),
-        ReportSection("contacts", "Contacts", contacts(details.get("excludes", []))),
+        ReportSection("contacts", "Contacts", excluded_pairs_section(details.get("excludes", []))),
         ReportSection("order", "Order", order(details.get("order", {}))),
         ReportSection("readers", "Readers", readers(details.get("readers", []))),
         ReportSection("variants", "Variants", variants(details.get("variants", {}))),

@@ -18,11 +18,11 @@ from linkwright.pipeline.sweep import job_list
 from linkwright.pipeline.sweep.fetching import Fetching, fetch_sources
 from linkwright.pipeline.sweep.folder import prepare, write_summaries
 from linkwright.pipeline.sweep.job_launcher import launch_jobs
-from linkwright.pipeline.sweep.launch import Account, Config, launcher_config
+from linkwright.pipeline.sweep.launch import Config, SweepRecord, launcher_config
 from linkwright.pipeline.sweep.listed_jobs import job_list_of
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status
 from linkwright.pipeline.sweep.outcome_files import outcomes_of
-from linkwright.pipeline.sweep.run import Sweep, jobs_of, judge_folders
+from linkwright.pipeline.sweep.run import Sweep, compose_sweep, require_free_folders
 from linkwright.pipeline.sweep.search import run_search
 from linkwright.pipeline.sweep.summary_updates import updating_summary
 from linkwright.pipeline.sweep.terminal_table import table
@@ -30,19 +30,19 @@ from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.robot.text.plural import count
 
 
-def sweep(command: Command, build: Callable[[Plan], Report] | None) -> int | CommandDocument:
+def run_sweep(command: Command, build: Callable[[Plan], Report] | None) -> int | CommandDocument:
     """Builds each robot of the sweep; returns the exit status, or with `--json` a document. `build`: replaces
     the real build; None for the real build, for which the sources are fetched first."""
     with session(command.config_dirs, judge=sweep_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
         if request.sweeping.sweeper != BASIC_OPTION:
             return run_search(command, composer, request, build)
-        composed_sweep = jobs_of(composer, request, sweep_problems)
-        judge_folders(composed_sweep.jobs)
+        composed_sweep = compose_sweep(composer, request, sweep_problems)
+        require_free_folders(composed_sweep.jobs)
         settings = composed_sweep.sweeping
         config = launcher_config(composer.hydra_config(settings.launcher), settings)
-        account = Account(request.tree, command.overrides, composed_sweep.overrides)
-        returned_outcomes = _run_jobs(command, composed_sweep, config, account, build)
+        record = SweepRecord(request.tree, command.overrides, composed_sweep.overrides)
+        returned_outcomes = _run_jobs(command, composed_sweep, config, record, build)
     outcomes = _merged_outcomes(outcomes_of(composed_sweep.root), returned_outcomes)
     return _report(command, outcomes, composed_sweep.root)
 
@@ -51,7 +51,7 @@ def _run_jobs(
     command: Command,
     composed_sweep: Sweep,
     config: Config,
-    account: Account,
+    record: SweepRecord,
     build: Callable[[Plan], Report] | None,
 ) -> list[Outcome]:
     """Prepares the folder of the sweep, and runs its jobs under the launcher. Returns the outcomes that the
@@ -60,7 +60,7 @@ def _run_jobs(
     prepare(root, composed_sweep.jobs, command.overrides)
     jobs = composed_sweep.jobs if build else fetch_sources(composed_sweep.jobs, is_quiet=is_quiet)
     with output_errors(root), updating_summary(root):
-        return launch_jobs(jobs, build, config, root, account, is_quiet=is_quiet)
+        return launch_jobs(jobs, build, config, root, record, is_quiet=is_quiet)
 
 
 def _report(command: Command, outcomes: Sequence[Outcome], root: Path) -> int | CommandDocument:
@@ -88,8 +88,8 @@ def write_plan(command: Command) -> int | CommandDocument:
         if request.sweeping.sweeper != BASIC_OPTION:
             msg = f"hydra/sweeper={request.sweeping.sweeper} chooses its jobs by the results of earlier jobs"
             raise ConfigError(msg, "--plan", "leave out --plan, or list the values without a search")
-        composed_sweep = jobs_of(composer, request, find_problems)
-    judge_folders(composed_sweep.jobs)
+        composed_sweep = compose_sweep(composer, request, find_problems)
+    require_free_folders(composed_sweep.jobs)
     job_list.require_place(path)
     fetching = Fetching(composed_sweep.jobs)
     # Asking the servers takes a few calls for each document. An estimate from the cache takes none.

@@ -8,7 +8,7 @@ from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.build import build as build_robot
 from linkwright.pipeline.secrets import withheld
-from linkwright.pipeline.sweep.launch import Account, Config, announcement, launch
+from linkwright.pipeline.sweep.launch import Config, SweepRecord, announcement, launch
 from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.run import Job, Task, print_line
 
@@ -18,7 +18,7 @@ def launch_jobs(
     build: Callable[[Plan], Report] | None,
     config: Config,
     root: Path,
-    account: Account,
+    record: SweepRecord,
     *,
     is_quiet: bool,
     first: int = 0,
@@ -30,4 +30,4 @@ def launch_jobs(
     if text and not is_quiet:
         print_line(text)
     with withheld():
-        return launch(config, task, root, account, first)
+        return launch(config, task, root, record, first)

@@ -64,7 +64,7 @@ class Launched(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Account:
+class SweepRecord:
     """The record of a sweep for `multirun.yaml`."""
 
     tree: DictConfig | None
@@ -114,7 +114,9 @@ def launcher_config(tree: DictConfig, settings: SweepSettings) -> DictConfig:
     return config
 
 
-def launch(config: DictConfig, task: Launched, folder: Path, account: Account, first: int = 0) -> list[Any]:
+def launch(
+    config: DictConfig, task: Launched, folder: Path, record: SweepRecord, first: int = 0
+) -> list[Any]:
     """Runs `task(number)` for every job and returns the results; writes `multirun.yaml`.
 
     `config`: the result of `launcher_config`; `first`: the number of the first job. Some launchers pickle
@@ -124,12 +126,12 @@ def launch(config: DictConfig, task: Launched, folder: Path, account: Account, f
     """
     sweeper = OmegaConf.to_container(config.hydra.sweeper, resolve=False)
     batch_size = cast(dict[str, Any], sweeper).get("max_batch_size") or 0
-    size = batch_size if batch_size > 0 else len(account.jobs)
+    size = batch_size if batch_size > 0 else len(record.jobs)
     try:
         with open_dict(config):
             # Escaped, so that a folder's name is never an interpolation.
             config.hydra.sweep.dir, config.hydra.sweep.subdir = str(folder).replace("${", r"\${"), "."
-        processors = share(config.hydra.launcher, min(size, len(account.jobs)), process_usage.processors())
+        processors = share(config.hydra.launcher, min(size, len(record.jobs)), process_usage.processors())
         launcher = Plugins.instance().instantiate_launcher(
             config=config,
             hydra_context=context(),
@@ -137,11 +139,11 @@ def launch(config: DictConfig, task: Launched, folder: Path, account: Account, f
         )
     except (HydraException, OmegaConfBaseException, ImportError, RuntimeError) as error:
         raise _cannot_start(error) from error
-    (folder / ACCOUNT).write_text(account.text(config), encoding="utf-8")
+    (folder / ACCOUNT).write_text(record.text(config), encoding="utf-8")
     results: list[Any] = []
     with _around(config, task):
-        for start in range(0, len(account.jobs), size):
-            batch = [list(job) for job in account.jobs[start : start + size]]
+        for start in range(0, len(record.jobs), size):
+            batch = [list(job) for job in record.jobs[start : start + size]]
             try:
                 results += [job.return_value for job in launcher.launch(batch, initial_job_idx=first + start)]
             except Exception as error:

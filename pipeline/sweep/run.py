@@ -113,7 +113,7 @@ def print_line(line: str) -> None:
         err.flush()
 
 
-def jobs_of(
+def compose_sweep(
     composer: "Composer",
     request: "SweepRequest",
     judge: Judge,
@@ -233,7 +233,7 @@ def _inside(subdir: str | None) -> str:
     return subdir or ""
 
 
-def judge_folders(jobs: Sequence[Job], environ: Mapping[str, str] = os.environ) -> None:
+def require_free_folders(jobs: Sequence[Job], environ: Mapping[str, str] = os.environ) -> None:
     """Raises ConfigError if a file that is not linkwright's is in the way of any job."""
     numbers_of: dict[Diagnostic, list[int]] = {}
     for job in jobs:

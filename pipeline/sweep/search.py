@@ -25,10 +25,10 @@ from linkwright.pipeline.run.preflight import sweep_problems
 from linkwright.pipeline.sweep.fetching import fetch_sources
 from linkwright.pipeline.sweep.folder import mark, record, write_summaries
 from linkwright.pipeline.sweep.job_launcher import launch_jobs
-from linkwright.pipeline.sweep.launch import Account, Config, launcher_config
+from linkwright.pipeline.sweep.launch import Config, SweepRecord, launcher_config
 from linkwright.pipeline.sweep.launchers.searching import directions_of, search
 from linkwright.pipeline.sweep.outcome import Outcome, failed
-from linkwright.pipeline.sweep.run import Job, jobs_of, judge_folders
+from linkwright.pipeline.sweep.run import Job, compose_sweep, require_free_folders
 from linkwright.pipeline.sweep.terminal_table import table
 from linkwright.pipeline.terminal.output import say, terminal_width
 from linkwright.stages.fetch.source import SweepState
@@ -53,12 +53,12 @@ def run_search(
     """Runs a search; returns the exit status, which is that of the best job, or with `--json` a document.
     Raises ConfigError for an invalid space, and without an objective."""
     _require_distinct(request)
-    first = jobs_of(composer, request, sweep_problems, corners(request))
+    first = compose_sweep(composer, request, sweep_problems, corners(request))
     config = launcher_config(
         composer.hydra_config(request.sweeping.launcher, request.sweeping.sweeper), request.sweeping
     )
     trials = Trials(command, composer, request, config, build, first.jobs[0], first.root)
-    judge_folders(first.jobs[:1])
+    require_free_folders(first.jobs[:1])
     mark(first.root, first.jobs[0].plan)
     record(first.root, [], command.overrides)
     with output_errors(first.root):
@@ -238,7 +238,7 @@ class Trials:
         pairs = (override.partition("=") for override in trial)
         overrides = [f"{self._signs[key].partition('=')[0]}={value}" for key, _, value in pairs]
         overrides = [*self._fixed, *overrides]
-        sweep = jobs_of(self._composer, self._request, sweep_problems, [overrides], number)
+        sweep = compose_sweep(self._composer, self._request, sweep_problems, [overrides], number)
         (job,) = sweep.jobs
         folder = self.root / job.plan.folder.relative_to(sweep.root)
         return replace(job, plan=job.plan.model_copy(update={"output": str(folder)}))
@@ -248,9 +248,9 @@ class Trials:
             return []
         is_quiet = self._command.detail == "errors"
         fetched = jobs if self._build else fetch_sources(jobs, is_quiet=is_quiet, state=self._state)
-        account = Account(self._request.tree, self._command.overrides, [[job.label] for job in jobs])
+        record = SweepRecord(self._request.tree, self._command.overrides, [[job.label] for job in jobs])
         return launch_jobs(
-            fetched, self._build, self._config, self.root, account, is_quiet=is_quiet, first=first
+            fetched, self._build, self._config, self.root, record, is_quiet=is_quiet, first=first
         )
 
     def _refusal_outcome(self, number: int, trial: Sequence[str], error: ConfigError) -> Outcome:

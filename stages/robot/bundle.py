@@ -8,7 +8,7 @@ from linkwright.stages.robot.errors import ProtocolError
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class StudioKey:
+class ElementKey:
     """A part studio or an assembly in a configuration, pinned.
 
     `pin` is `v/<version>` if the document is linked by version, else `m/<microversion>`.
@@ -20,7 +20,7 @@ class StudioKey:
     configuration: str
 
     @classmethod
-    def of(cls, record: Mapping[str, Any]) -> "StudioKey":
+    def of(cls, record: Mapping[str, Any]) -> "ElementKey":
         """Returns the key of an instance or a part of an assembly definition."""
         version = record.get("documentVersion")
         pin = f"v/{version}" if version else f"m/{record['documentMicroversion']}"
@@ -32,7 +32,7 @@ class StudioKey:
 class Studio:
     """The replies about a part studio, by digest."""
 
-    key: StudioKey
+    key: ElementKey
     mass: tuple[str, ...]
     """Mass properties: one reply for all parts or, in recorded data, one reply for each part."""
     tessellation: str | None
@@ -43,7 +43,7 @@ class Studio:
 class Features:
     """The replies about the limits of an assembly's mates, by digest, if the definition lacks them."""
 
-    key: StudioKey
+    key: ElementKey
     """The assembly."""
 
     features: str

@@ -4,7 +4,7 @@ import pytest
 
 import linkwright
 from linkwright.pipeline.config.compose import session
-from linkwright.pipeline.sweep.run import jobs_of
+from linkwright.pipeline.sweep.run import compose_sweep
 from linkwright.stages.robot.errors import ConfigError
 from tests.support import users
 from tests.support.users import GLOBAL, URL, put, write
@@ -98,11 +98,11 @@ def test_host_in_a_file_is_refused_in_a_sweep_too(tmp_path):
     with session((), tmp_path, environ={}) as composer:
         asked = composer.with_params(*composer.read(["robot=mine"], multirun=True))
         with pytest.raises(ConfigError, match=r"E-TRUST job 0 \(.*\): source\.url: a file must not"):
-            jobs_of(composer, asked, lambda plan: ())
+            compose_sweep(composer, asked, lambda plan: ())
     with session((), tmp_path, environ={}) as composer:
         typed = ["robot=plain", f"source.url='{ADDRESS}','{OTHER}'"]
         asked = composer.with_params(*composer.read(typed, multirun=True))
-        sweep = jobs_of(composer, asked, lambda plan: ())
+        sweep = compose_sweep(composer, asked, lambda plan: ())
     assert [job.plan.source.url.text for job in sweep.jobs] == [ADDRESS, OTHER]
 
 

@@ -12,7 +12,7 @@ from linkwright.stages.fetch.bundle.archive import read
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.gather import gather
 from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from tests.support.places import SHARED
 
 DATA = SHARED / "data" / "onshape"
@@ -57,7 +57,7 @@ def nb_bundle():
 
 def weightless(definition):
     """Mass replies that know none of the parts, for every part studio of a definition."""
-    studios = {StudioKey.of(part) for part in json.loads(definition)["parts"]}
+    studios = {ElementKey.of(part) for part in json.loads(definition)["parts"]}
     asked = [requests.mass_properties(studio, studio.document) for studio in sorted(studios)]
     return dict.fromkeys(asked, b'{"bodies": {}}')
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import orjson
 
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 
 _Record = Mapping[str, Any]
@@ -19,10 +19,10 @@ class Definition:
     document: str
     microversion: str
     element: str
-    parts: Mapping[StudioKey, tuple[str, ...]]
+    parts: Mapping[ElementKey, tuple[str, ...]]
     """Part studio → the ids of its parts that the assembly uses; keys and ids sorted."""
 
-    solids: Mapping[StudioKey, tuple[str, ...]]
+    solids: Mapping[ElementKey, tuple[str, ...]]
     """The same, only with parts listed as solid bodies, which certainly have a mass and triangles."""
 
 
@@ -34,11 +34,11 @@ def read(body: bytes) -> Definition:
     try:
         data = orjson.loads(body)
         root = data["rootAssembly"]
-        used_parts: dict[StudioKey, set[str]] = {}
+        used_parts: dict[ElementKey, set[str]] = {}
         for instance in _part_instances(root, data.get("subAssemblies") or ()):
-            used_parts.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
+            used_parts.setdefault(ElementKey.of(instance), set()).add(instance["partId"])
         solid_bodies = {
-            (StudioKey.of(part), part.get("partId"))
+            (ElementKey.of(part), part.get("partId"))
             for part in data.get("parts") or ()
             if part.get("bodyType") == "solid"
         }
@@ -76,16 +76,16 @@ _HINT = "check that the address is that of an assembly; if it is, the API has ch
 
 def assemblies(root: _Record, subs: Any) -> Iterator[_Record]:
     """Yields the root, and the sub-assemblies that unsuppressed instances use."""
-    definitions = {StudioKey.of(sub): sub for sub in subs}
+    definitions = {ElementKey.of(sub): sub for sub in subs}
     pending = [root]
-    visited_keys = {StudioKey.of(root)}
+    visited_keys = {ElementKey.of(root)}
     while pending:
         record = pending.pop()
         yield record
         for instance in record["instances"]:
             if instance.get("suppressed") or instance.get("type") != "Assembly":
                 continue
-            if (key := StudioKey.of(instance)) not in visited_keys:
+            if (key := ElementKey.of(instance)) not in visited_keys:
                 if key not in definitions:
                     msg = f"the definition does not describe the sub-assembly {instance.get('name')!r}"
                     raise ProtocolError(msg, hint=_HINT)

@@ -11,7 +11,7 @@ from typing import Protocol
 from linkwright.stages.fetch.onshape import definition
 from linkwright.stages.fetch.onshape.replies import features
 from linkwright.stages.fetch.onshape.replies.features import Owner
-from linkwright.stages.robot.bundle import Features, OnshapeBundle, Studio, StudioKey
+from linkwright.stages.robot.bundle import ElementKey, Features, OnshapeBundle, Studio
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Reply:
 class Needs:
     """The needs of a build from a part studio."""
 
-    studio: StudioKey
+    studio: ElementKey
     parts: tuple[str, ...]
     """The ids of the parts used, sorted."""
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Protocol
 from urllib.parse import parse_qsl, quote
 
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 
 API = "v16"
 """The API version of all requests except definitions: the form of replies depends on it."""
@@ -90,14 +90,14 @@ def configuration(document: str, pin: str, element: str) -> str:
     return _element("elements", document, pin, element) + "/configuration"
 
 
-def features(owner: StudioKey, root: str) -> str:
+def features(owner: ElementKey, root: str) -> str:
     """Returns the request for the features of a single assembly; `root` is the id of the root assembly's
     document."""
     path = _element("assemblies", owner.document, owner.pin, owner.element)
     return _request(path + "/features", _access(owner, root))
 
 
-def variables(owner: StudioKey, root: str) -> str:
+def variables(owner: ElementKey, root: str) -> str:
     """Returns the request for the variables that an element may use, values included.
 
     The server takes only workspaces ("w/<id>") and versions as pins; with a microversion the request is only
@@ -120,14 +120,14 @@ def tabs(document: str, workspace: str) -> str:
     return "/documents/d/{}/w/{}/elements".format(*pieces)
 
 
-def mass_properties(studio: StudioKey, root: str) -> str:
+def mass_properties(studio: ElementKey, root: str) -> str:
     """Returns the request for the mass properties of all parts of a studio; `root` is the id of the
     assembly's document."""
     query = {"massAsGroup": "false", "useMassPropertyOverrides": "true"} | _access(studio, root)
     return _request(_studio(studio) + "/massproperties", query)
 
 
-def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
+def tessellated_faces(studio: ElementKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
     """Returns the request for the triangles of a studio's parts: of all, or of `parts` only.
 
     `root` is the id of the assembly's document.
@@ -144,7 +144,7 @@ def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation, parts
     return _request(_studio(studio) + "/tessellatedfaces", query, parts)
 
 
-def gltf(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
+def gltf(studio: ElementKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
     """Returns the request for the same triangles as `tessellated_faces`, as glTF."""
     query = {
         "angleTolerance": repr(float(quality.angle)),
@@ -156,17 +156,17 @@ def gltf(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[st
     return _request(_studio(studio) + "/gltf", query, parts)
 
 
-def recorded_faces(studio: StudioKey) -> str:
+def recorded_faces(studio: ElementKey) -> str:
     """Returns the request for the triangles of a studio in a recording, which has a single quality."""
     return _request(_studio(studio) + "/tessellatedfaces", {"configuration": studio.configuration})
 
 
-def recorded_gltf(studio: StudioKey) -> str:
+def recorded_gltf(studio: ElementKey) -> str:
     """Returns the request for the glTF of a studio in a recording."""
     return _request(_studio(studio) + "/gltf", {"configuration": studio.configuration})
 
 
-def part_mass_properties(studio: StudioKey, part: str) -> str:
+def part_mass_properties(studio: ElementKey, part: str) -> str:
     """Returns the request for the mass properties of a part, as other clients record it."""
     path = _element("parts", studio.document, studio.pin, studio.element)
     query = {"configuration": studio.configuration}
@@ -251,14 +251,14 @@ def is_assembly_mass(request: str) -> bool:
     return path.startswith("/assemblies/") and path.endswith("/massproperties")
 
 
-def _access(studio: StudioKey, root: str) -> dict[str, str]:
+def _access(studio: ElementKey, root: str) -> dict[str, str]:
     query = {"configuration": studio.configuration}
     if studio.document != root:
         query["linkDocumentId"] = root
     return query
 
 
-def _studio(studio: StudioKey) -> str:
+def _studio(studio: ElementKey) -> str:
     return _element("partstudios", studio.document, studio.pin, studio.element)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import AssemblyError, Diagnostic
 from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import Array, MateRef, frozen
@@ -142,8 +142,8 @@ class Assembly:
     patterns: Sequence[Pattern] = ()
     stiff: frozenset[Path] = frozenset()
     """Sub-assemblies that are rigid in any case."""
-    body_types: Mapping[tuple[StudioKey, str], str] = field(default_factory=dict)
-    standard: frozenset[tuple[StudioKey, str]] = frozenset()
+    body_types: Mapping[tuple[ElementKey, str], str] = field(default_factory=dict)
+    standard: frozenset[tuple[ElementKey, str]] = frozenset()
     """Parts that are standard content."""
     diagnostics: Sequence[Diagnostic] = ()
 

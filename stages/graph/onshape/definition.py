@@ -30,7 +30,7 @@ from linkwright.stages.graph.onshape.reply_fields import (
     protocol_errors,
     text,
 )
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError
 from linkwright.stages.robot.model.robot import Array, MateRef, frozen
@@ -54,13 +54,13 @@ def read_assembly(body: bytes) -> Assembly:
     with protocol_errors("assembly definition", ""):
         definition = orjson.loads(body)
         root = definition["rootAssembly"]
-        subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
+        subs = {ElementKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
         body_types = {
-            (StudioKey.of(part), part.get("partId", "")): part.get("bodyType", "solid")
+            (ElementKey.of(part), part.get("partId", "")): part.get("bodyType", "solid")
             for part in definition.get("parts") or ()
         }
         standard = {
-            (StudioKey.of(part), part.get("partId", ""))
+            (ElementKey.of(part), part.get("partId", ""))
             for part in definition.get("parts") or ()
             if part.get("isStandardContent") is True
         }
@@ -102,7 +102,7 @@ def _expand(
     names: tuple[str, ...],
     record: Record,
     occurrences: Mapping[Path, Record],
-    subs: Mapping[StudioKey, Record],
+    subs: Mapping[ElementKey, Record],
 ) -> Iterator[tuple[Path, tuple[str, ...], Record]]:
     """Reads the instances of an assembly; yields the sub-assemblies among them."""
     for instance in record.get("instances") or ():
@@ -123,7 +123,7 @@ def _expand(
                 raise ValueError(msg)
             content.occurrences[child] = occurrence
         if instance["type"] == "Assembly":
-            sub = subs.get(StudioKey.of(instance))
+            sub = subs.get(ElementKey.of(instance))
             if sub is None:
                 msg = "the definition lacks this sub-assembly"
                 raise ProtocolError(msg, where=title)
@@ -133,7 +133,7 @@ def _expand(
 def _occurrence(
     path: Path, names: tuple[str, ...], instance: Record, occurrences: Mapping[Path, Record]
 ) -> Occurrence:
-    for key_part in astuple(StudioKey.of(instance)):
+    for key_part in astuple(ElementKey.of(instance)):
         text(key_part)
     if instance["type"] == "Part":
         text(instance["partId"])

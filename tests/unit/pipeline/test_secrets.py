@@ -11,7 +11,7 @@ from linkwright.pipeline.caching.actions import opened
 from linkwright.pipeline.config.compose import compose_plan, session
 from linkwright.pipeline.errors import ConfigError, SecretFound
 from linkwright.pipeline.secrets import Secrets
-from linkwright.pipeline.sweep.run import jobs_of
+from linkwright.pipeline.sweep.run import compose_sweep
 
 KEY = {"ONSHAPE_ACCESS_KEY": "access-key", "ONSHAPE_SECRET_KEY": "access-key-and-more"}
 
@@ -148,7 +148,7 @@ def test_sweep_with_a_secret_writes_nothing(environ, tmp_path):
     with session() as composer:
         asked = composer.with_params(*composer.read(arguments, multirun=True))
         with pytest.raises(ConfigError) as caught:
-            jobs_of(composer, asked, lambda _: [])
+            compose_sweep(composer, asked, lambda _: [])
     assert not any(secret in str(caught.value) for secret in ENVIRON.values())
     assert {"name", "every job: output"} <= {problem.where for problem in caught.value.problems}
     assert list(tmp_path.iterdir()) == []

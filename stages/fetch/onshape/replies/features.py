@@ -13,7 +13,7 @@ import orjson
 
 from linkwright.stages.fetch.onshape import definition
 from linkwright.stages.formats.onshape_configuration import split
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import ProtocolError
 
 _Record = Mapping[str, Any]
@@ -24,7 +24,7 @@ _VARIABLE = re.compile(r"#([A-Za-z_]\w*)")
 class Owner:
     """An assembly that owns a mate of unknown limits."""
 
-    key: StudioKey
+    key: ElementKey
     settings: str
     """All values of the assembly's configuration."""
 
@@ -35,7 +35,7 @@ def owners(body: bytes) -> tuple[Owner, ...]:
     data = orjson.loads(body)
     used_assemblies = definition.assemblies(data["rootAssembly"], data.get("subAssemblies") or ())
     silent_owners = {
-        StudioKey.of(record): record for record in used_assemblies if any(map(_lacks_limits, _mates(record)))
+        ElementKey.of(record): record for record in used_assemblies if any(map(_lacks_limits, _mates(record)))
     }
     return tuple(Owner(key, _settings(silent_owners[key], key)) for key in sorted(silent_owners))
 
@@ -61,7 +61,7 @@ def check(body: bytes, subject: str, *, tables: bool) -> None:
         raise ProtocolError(msg, hint=hint)
 
 
-def _settings(record: _Record, key: StudioKey) -> str:
+def _settings(record: _Record, key: ElementKey) -> str:
     return str(record.get("fullConfiguration") or key.configuration)
 
 

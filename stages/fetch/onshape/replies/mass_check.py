@@ -10,7 +10,7 @@ from typing import Any
 
 import orjson
 
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 _RELATIVE_TOLERANCE = 1e-6
@@ -85,7 +85,7 @@ def unchecked(element: str, error: SourceError) -> Diagnostic:
     )
 
 
-def compare(definition: bytes, weights: Mapping[StudioKey, Mapping[str, float]], total: bytes) -> Masses:
+def compare(definition: bytes, weights: Mapping[ElementKey, Mapping[str, float]], total: bytes) -> Masses:
     """Compares the masses of an assembly: `definition` and `total` are replies, `weights` [kg] by part id.
 
     A part without mass is not counted, as in the server's total.
@@ -122,10 +122,10 @@ def _mass(record: Mapping[str, Any]) -> float:
     return float(record["mass"][0]) if record.get("hasMass", True) else 0.0
 
 
-def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[StudioKey, str, bool]]:
+def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[ElementKey, str, bool]]:
     """Yields (part studio, part id, hidden) of every part in the assembly, at any depth."""
     root = data["rootAssembly"]
-    subs = {StudioKey.of(sub): sub for sub in data.get("subAssemblies") or ()}
+    subs = {ElementKey.of(sub): sub for sub in data.get("subAssemblies") or ()}
     by_id = {
         id(assembly_record): {i["id"]: i for i in assembly_record["instances"]}
         for assembly_record in (root, *subs.values())
@@ -138,6 +138,6 @@ def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[StudioKey, str, bool
             if instance is None or instance.get("suppressed"):
                 instance = None
                 break
-            owner = subs.get(StudioKey.of(instance)) if instance.get("type") == "Assembly" else None
+            owner = subs.get(ElementKey.of(instance)) if instance.get("type") == "Assembly" else None
         if instance is not None and instance.get("type") == "Part":
-            yield StudioKey.of(instance), instance["partId"], bool(occurrence.get("hidden"))
+            yield ElementKey.of(instance), instance["partId"], bool(occurrence.get("hidden"))

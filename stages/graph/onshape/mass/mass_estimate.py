@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from linkwright.stages.formats.meshes import body_arrays
-from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
+from linkwright.stages.robot.bundle import ElementKey, OnshapeBundle
 from linkwright.stages.robot.dynamics.inertia import solid_inertia
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 
-Key = tuple[StudioKey, str]
+Key = tuple[ElementKey, str]
 """A part studio and the id of a part in it."""
 
 NET_AREA_TOLERANCE = 1e-6

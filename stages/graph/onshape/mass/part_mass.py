@@ -18,14 +18,14 @@ from linkwright.stages.graph.mass_section import MassSection, PartMassSection
 from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from linkwright.stages.graph.onshape.mass.mass_estimate import PartShape, shapes_of
 from linkwright.stages.graph.onshape.reply_fields import number, numbers, protocol_errors
-from linkwright.stages.robot.bundle import OnshapeBundle, StudioKey
+from linkwright.stages.robot.bundle import ElementKey, OnshapeBundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import ZERO, scaled, tensor
 from linkwright.stages.robot.model.robot import Inertial, frozen
 from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
 from linkwright.stages.robot.text.plural import count
 
-PartKey = tuple[StudioKey, str]
+PartKey = tuple[ElementKey, str]
 """A part studio and the id of a part in it."""
 
 
@@ -280,7 +280,7 @@ def _check_density(kind: PartKind, log: Diagnostics) -> None:
 
 def part_key(record: Mapping[str, str]) -> PartKey:
     """Returns the part of an instance."""
-    return StudioKey.of(record), record["partId"]
+    return ElementKey.of(record), record["partId"]
 
 
 def read_masses(bundle: OnshapeBundle) -> dict[PartKey, PartMass]:

@@ -21,7 +21,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Record
 from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
 from linkwright.stages.graph.onshape.mates.joints import JOINT_TYPES, freedoms_of, limit_names
 from linkwright.stages.graph.onshape.reply_fields import protocol_errors
-from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.bundle import ElementKey, Features, OnshapeBundle
 from linkwright.stages.robot.model.dofs import AS_TYPED, LimitOrigin
 from linkwright.stages.robot.model.robot import DofKind
 
@@ -42,14 +42,14 @@ class _Owner:
 def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> Assembly:
     """Returns the assembly with the limits of every mate that moves, in the shape of `mateLimits`."""
     replies = {features.key: features for features in bundle.features}
-    owners: dict[tuple[StudioKey, str], _Owner] = {}
+    owners: dict[tuple[ElementKey, str], _Owner] = {}
     mates = []
     for mate in assembly.mates:
         mates.append(mate)
         if mate.limits is not None or mate.ref.type == "FASTENED":
             continue
         record = assembly.occurrences[mate.ref.owner].record if mate.ref.owner else assembly.root
-        key = StudioKey.of(record)
+        key = ElementKey.of(record)
         if key not in replies:
             why = "the reply has no limits, and the list of features is missing"
             mates[-1] = replace(mate, limit_origin=LimitOrigin(why))

@@ -15,7 +15,7 @@ from linkwright.stages.fetch.onshape.replies import features
 from linkwright.stages.fetch.onshape.replies.features import Owner
 from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.graph import build_robot
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.codec import encode_robot
 from linkwright.stages.robot.errors import Offline, ProtocolError
 from tests.fake_onshape import solids
@@ -30,7 +30,7 @@ from tests.support.reported import reports
 from tests.support.traffic import asked_kinds, at_path
 
 COLD = {"definition": 1, "massproperties": 1, "tessellatedfaces": 1}
-OWNER = Owner(StudioKey("d", "m/1", "e", "default"), "default")
+OWNER = Owner(ElementKey("d", "m/1", "e", "default"), "default")
 
 
 def unknown(made):

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from linkwright.stages.fetch.onshape.replies import mass_check
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import ProtocolError
 
 
@@ -25,7 +25,7 @@ DEFINITION = {
     "rootAssembly": {**ADDRESS, "elementId": "Root", "instances": INSTANCES, "occurrences": OCCURRENCES},
     "subAssemblies": [{**ADDRESS, "instances": [instance("bone")]}],
 }
-WEIGHTS = {StudioKey("D", "m/M", "S", "default"): {"base": 1.0, "bone": 0.25}}
+WEIGHTS = {ElementKey("D", "m/M", "S", "default"): {"base": 1.0, "bone": 0.25}}
 
 
 def masses(theirs, weights=WEIGHTS):

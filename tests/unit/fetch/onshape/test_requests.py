@@ -7,12 +7,12 @@ import pytest
 
 from linkwright.stages.fetch.onshape import requests
 from linkwright.stages.fetch.onshape.definition import read, require_parts
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import AssemblyError, ProtocolError
 
 QUALITY = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=None)
-OWN = StudioKey("doc", "m/micro", "elem", "default")
-LINKED = StudioKey("other", "v/version", "elem", "List_x=_500_mm;leg=0.25+meter")
+OWN = ElementKey("doc", "m/micro", "elem", "default")
+LINKED = ElementKey("other", "v/version", "elem", "List_x=_500_mm;leg=0.25+meter")
 
 
 def test_requests_reach_linked_documents_through_the_root():
@@ -45,7 +45,7 @@ def test_a_facet_width_is_sent_only_where_one_is_set():
 def test_a_recording_is_found_whatever_its_quality():
     asked = requests.subject(requests.recorded_faces(LINKED))
     assert asked == requests.subject(requests.tessellated_faces(LINKED, "doc", QUALITY))
-    other = StudioKey("other", "v/version", "elem", "default")
+    other = ElementKey("other", "v/version", "elem", "default")
     assert asked != requests.subject(requests.recorded_faces(other))
     part = requests.part_mass_properties(OWN, "JHD")
     bare = part.partition("?")[0]
@@ -101,9 +101,9 @@ def test_a_studio_version_and_configuration_counts_once():
     inner = sub("arm") | {"instances": [part("s", "JHH")]}
     body = definition([*parts, linked, sub("arm"), sub("arm")], [inner])
     assert read(body).parts == {
-        StudioKey("d", "m/m", "s", "default"): ("J/+", "JHD", "JHH"),
-        StudioKey("d", "m/m", "s", "x=2"): ("JHD",),
-        StudioKey("o", "v/v", "t", "default"): ("A",),
+        ElementKey("d", "m/m", "s", "default"): ("J/+", "JHD", "JHH"),
+        ElementKey("d", "m/m", "s", "x=2"): ("JHD",),
+        ElementKey("o", "v/v", "t", "default"): ("A",),
     }
 
 

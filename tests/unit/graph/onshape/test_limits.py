@@ -12,7 +12,7 @@ from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate
 from linkwright.stages.graph.onshape.mates.limits import with_limits
-from linkwright.stages.robot.bundle import Features, OnshapeBundle, StudioKey
+from linkwright.stages.robot.bundle import ElementKey, Features, OnshapeBundle
 from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import MateRef
 from tests.fake_onshape.replies import Replies
@@ -212,7 +212,7 @@ def resolved(kind, typed, copies=("",), more=None):
     ]
     parameters += [{"parameterId": "limitsEnabled", "value": True}, {"expression": "7 m"}]
     body = {"features": [{"featureId": "f", "parameters": parameters}]}
-    blobs, features = {"list": json.dumps(body).encode()}, (Features(StudioKey.of(root), "list"),)
+    blobs, features = {"list": json.dumps(body).encode()}, (Features(ElementKey.of(root), "list"),)
     bundle = OnshapeBundle("onshape", {}, "", {}, blobs, api="v17", studios=(), features=features)
     mates = [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
     return list(with_limits(Assembly(root=root, mates=mates), bundle).mates)

@@ -13,7 +13,7 @@ from omegaconf import OmegaConf
 from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
 from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, parsed
 from linkwright.pipeline.config.hydra.node import search_path_override
-from linkwright.pipeline.sweep.run import jobs_of
+from linkwright.pipeline.sweep.run import compose_sweep
 from tests.support.users import MY_ARM, write
 
 GLOBAL = "# @package _global_\n"
@@ -120,7 +120,7 @@ def jobs(*arguments, judge=lambda _: ()):
     with session(()) as composer:
         asked = composer.with_params(*composer.read([*USUAL, *arguments], multirun=True))
         assert not asked.problems
-        return asked.overrides, jobs_of(composer, asked, judge).jobs
+        return asked.overrides, compose_sweep(composer, asked, judge).jobs
 
 
 def settings(plan):

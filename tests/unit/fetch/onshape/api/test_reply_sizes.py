@@ -16,7 +16,7 @@ from linkwright.stages.fetch.onshape.triangles import faces, json_stream, matchi
 from linkwright.stages.fetch.onshape.triangles.json_stream import Document, MalformedError
 from linkwright.stages.formats import triangles as codec
 from linkwright.stages.formats.meshes import body_arrays, gltf
-from linkwright.stages.robot.bundle import StudioKey
+from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 from tests.fake_onshape.document import Document as Drawn
 from tests.fake_onshape.faults import Fault
@@ -24,7 +24,7 @@ from tests.fake_onshape.server import OnshapeServer
 from tests.support.kept import client_at
 from tests.unit.fetch.onshape.triangles.test_faces import plain
 
-STUDIO = StudioKey("d" * 24, "m/" + "m" * 24, "e" * 24, "default")
+STUDIO = ElementKey("d" * 24, "m/" + "m" * 24, "e" * 24, "default")
 PLACE = ("d" * 24, "m/" + "m" * 24, "e" * 24)
 MB = 1 << 20
 
