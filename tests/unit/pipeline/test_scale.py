@@ -35,8 +35,6 @@ MOST = 2 * TIMES
 FEW = 300
 """Lines that run less often in the larger assembly do not count: what they grow by is rounding."""
 
-Line = tuple[str, int]
-
 
 def lines_run(work):
     """How often each line of the stages runs in `work`; a loop on one line counts every time round."""
