@@ -1,4 +1,4 @@
-"""What is read or looked up before it is needed: files of `elements`, and names in the configuration."""
+"""Errors found before anything is built: files of `elements`, and names in the configuration."""
 
 import pytest
 

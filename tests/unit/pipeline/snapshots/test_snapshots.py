@@ -309,11 +309,11 @@ VALUES = ["1", "true", "null", "[1]", "", " a ", "a\nb", "a: b", '"a', "\u2028",
 def test_a_value_is_one_line_that_reads_as_it_alone(here):
     """Beside its value as another type, where it has one."""
     texts = {f"text_{number}": value for number, value in enumerate(VALUES)}
-    others = {
+    other_values = {
         f"other_{number}": yaml.safe_load(value) if value in ("1", "true", "[1]") else "another"
         for number, value in enumerate(VALUES)
     }
-    write(here, pair=PAIR + yaml.safe_dump({"vars": {"a": 0, **texts, **others}}))
+    write(here, pair=PAIR + yaml.safe_dump({"vars": {"a": 0, **texts, **other_values}}))
     run(["snapshot"])
     configuration = section(kept(here)["pair.txt"], "configuration")
     entries = read_entries(kept(here)["pair.txt"])
