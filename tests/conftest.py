@@ -12,7 +12,7 @@ from filelock import FileLock
 from hypothesis import Phase, settings
 from hypothesis.internal.conjecture import engine
 
-from tests.support import kept_colliders
+from tests.support import kept_colliders, long_tests
 from tests.support.kit import Kit
 
 SURROUNDINGS = (
@@ -49,8 +49,9 @@ gc.set_threshold(100_000, 50, 100)
 
 
 def pytest_collection_modifyitems(items):
+    long = long_tests.long_tests()
     for item in items:
-        if "e2e" in item.path.parts:
+        if "e2e" in item.path.parts or long_tests.function_of(item.nodeid) in long:
             item.add_marker("e2e")
     items.sort(key=lambda item: item.get_closest_marker("first") is None)
 
