@@ -6,6 +6,7 @@ import runpy
 import pytest
 
 from linkwright.stages.robot.system.install import OPTIONAL, install
+from tests.support.long_tests import all_tests, long_tests
 from tests.support.places import PROJECT, ROOMS
 
 FLOORS = runpy.run_path(str(PROJECT / ".ci" / "floors.py"))
@@ -64,3 +65,8 @@ def test_every_test_that_a_script_of_ci_names_exists(script):
     """A folder or module that was renamed ends the script an hour later, with no test run."""
     named = set(re.findall(r"\btests/[\w/]+(?:\.py)?(?![\w$*])", (PROJECT / ".ci" / script).read_text()))
     assert [path for path in sorted(named) if not (PROJECT / path).exists()] == []
+
+
+def test_every_long_test_that_is_named_exists():
+    """A test that was renamed is no longer kept out of the quick loop."""
+    assert long_tests() - all_tests() == set()

@@ -1,9 +1,10 @@
-"""`python -m pytest -n auto -p tests.support.long_tests`: writes `long_tests.txt` from how long the tests took.
+"""`python -m pytest -n auto -p tests.support.long_tests`: writes `long_tests.txt` from how long tests took.
 
-The file names the test functions whose items take as long as a build, which `tests/conftest.py` marks `e2e`, so that
-the others are a loop of a minute or two. Functions that did not run in this run stay as they are in the file.
+The file names the test functions whose items take as long as a build. `tests/conftest.py` marks them `e2e`, so
+that the others are a loop of a minute or two. Functions that this run leaves out stay as they are in the file.
 """
 
+import ast
 from collections import defaultdict
 from pathlib import Path
 
@@ -24,8 +25,25 @@ def function_of(nodeid):
 
 
 def long_tests():
-    """The functions of the file whose test module exists."""
+    """The functions that the file names."""
     return frozenset(LIST.read_text(encoding="utf-8").split())
+
+
+def all_tests():
+    """The ids of all test functions, by the texts of their modules."""
+    return {
+        "::".join((module.relative_to(PROJECT).as_posix(), *names))
+        for module in (PROJECT / "tests").rglob("test_*.py")
+        for names in _names(ast.parse(module.read_text(encoding="utf-8")))
+    }
+
+
+def _names(tree):
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            yield from ((node.name, *names) for names in _names(node))
+        elif isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+            yield (node.name,)
 
 
 def pytest_runtest_logreport(report):
@@ -36,6 +54,6 @@ def pytest_sessionfinish(session):
     if hasattr(session.config, "workerinput"):
         return
     means = {function: sum(items.values()) / len(items) for function, items in _durations.items()}
-    kept = {function for function in long_tests() - means.keys() if (PROJECT / function.split("::")[0]).exists()}
+    kept = (long_tests() - means.keys()) & all_tests()
     named = kept | {function for function, mean in means.items() if mean > LIMIT and "/e2e/" not in function}
     LIST.write_text("".join(f"{function}\n" for function in sorted(named)), encoding="utf-8")
