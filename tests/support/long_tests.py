@@ -1,7 +1,7 @@
 """`python -m pytest -n auto -p tests.support.long_tests`: writes `long_tests.txt` from how long tests took.
 
-The file names the test functions whose items take as long as a build. `tests/conftest.py` marks them `e2e`, so
-that the others are a loop of a minute or two. Functions that this run leaves out stay as they are in the file.
+The file names the test functions whose items take as long as a build. `tests/conftest.py` marks them `e2e`,
+so that the others are a loop of a minute or two. Functions that did not run stay as they are in the file.
 """
 
 import ast
