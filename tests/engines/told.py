@@ -55,27 +55,27 @@ def run(measure):
     Path(sys.argv[3]).write_text(json.dumps({"version": version, "rows": rows.rows}))
 
 
-def apart(found, expected):
+def apart(measured, expected):
     """The largest difference of numbers; infinite where there is none to compare."""
-    found, expected = np.asarray(found, float), np.asarray(expected, float)
-    if found.shape != expected.shape or not np.isfinite(found).all():
+    measured, expected = np.asarray(measured, float), np.asarray(expected, float)
+    if measured.shape != expected.shape or not np.isfinite(measured).all():
         return np.inf
-    return float(np.abs(found - expected).max(initial=0.0))
+    return float(np.abs(measured - expected).max(initial=0.0))
 
 
-def links_apart(found, expected):
+def links_apart(measured, expected):
     """The largest difference of poses of the links that the reference has; a link that lacks is infinite."""
-    if not set(expected) <= set(found):
+    if not set(expected) <= set(measured):
         return np.inf
-    return max((apart(found[name], pose) for name, pose in expected.items()), default=0.0)
+    return max((apart(measured[name], pose) for name, pose in expected.items()), default=0.0)
 
 
-def masses_apart(found, expected):
+def masses_apart(measured, expected):
     """The largest difference of masses, as a share of all; a link that lacks is infinite."""
-    if not {name for name, mass in expected.items() if mass} <= set(found):
+    if not {name for name, mass in expected.items() if mass} <= set(measured):
         return np.inf
     total = sum(expected.values())
-    return max(abs(float(found.get(name, 0.0)) - mass) / total for name, mass in expected.items())
+    return max(abs(float(measured.get(name, 0.0)) - mass) / total for name, mass in expected.items())
 
 
 def scene(engine, read, reference, rows):
@@ -156,9 +156,9 @@ def tree(read, kind, expected, rows, frames=True):
     motion = rows.trying(kind, "motion", lambda: made.motion(start, bare["seconds"], samples))
     if motion is not None:
         clear = bare["clear"]
-        found = [[values.get(joint, np.nan) for joint in joints] for values in motion[:clear]]
+        measured = [[values.get(joint, np.nan) for joint in joints] for values in motion[:clear]]
         said = f"up to {bare['seconds'] * clear / samples:g} s, then chaos" if clear < samples else ""
-        rows.measured(kind, "motion", apart(found, bare["qpos"][:clear]), MOTION, said)
+        rows.measured(kind, "motion", apart(measured, bare["qpos"][:clear]), MOTION, said)
 
 
 def _apart_at(made, joints, solid, pose):

@@ -77,12 +77,12 @@ def contacts(model, data, robot):
 def geom_contacts(model, data, robot):
     """The pairs of colliders in contact now, in the order of the links."""
     place = {link.name: index for index, link in enumerate(robot.links)}
-    found = set()
+    touching = set()
     for contact in data.contact[: data.ncon]:
-        found.add(
+        touching.add(
             tuple(sorted((geom_of(model, geom) for geom in contact.geom), key=lambda named: place[named[0]]))
         )
-    return found
+    return touching
 
 
 def geom_of(model, geom):
@@ -93,32 +93,32 @@ def geom_of(model, geom):
 
 def excluded(robot, excludes):
     """The pairs of shapes that do not collide; of links of primitives alone, which all collide."""
-    found = set()
+    pairs = set()
     for exclude in excludes:
         a, b = exclude.link_a, exclude.link_b
         every = product(range(len(robot.link(a).shapes)), range(len(robot.link(b).shapes)))
-        found |= {((a, i), (b, j)) for i, j in exclude.geoms or every}
-    return found
+        pairs |= {((a, i), (b, j)) for i, j in exclude.geoms or every}
+    return pairs
 
 
 def apart(robot, q):
     """The distance of each two links with shapes at `q`: negative by the depth where they overlap; where
     boxes are apart only a lower bound of it."""
-    found = {}
+    distances = {}
     for ((first, _), (other, _)), off in geoms_apart(robot, q).items():
-        found[first, other] = min(off, found.get((first, other), np.inf))
-    return found
+        distances[first, other] = min(off, distances.get((first, other), np.inf))
+    return distances
 
 
 def geoms_apart(robot, q):
     """The same of each two shapes of different links."""
     poses = link_poses(robot, q)
-    found = {}
+    distances = {}
     for first, other in combinations(robot.links, 2):
         for (i, a), (j, b) in product(enumerate(first.shapes), enumerate(other.shapes)):
             places = poses[first.name] @ a.link_from_shape, poses[other.name] @ b.link_from_shape
-            found[(first.name, i), (other.name, j)] = _between(a, places[0], b, places[1])
-    return found
+            distances[(first.name, i), (other.name, j)] = _between(a, places[0], b, places[1])
+    return distances
 
 
 def _between(a, at, b, bt):

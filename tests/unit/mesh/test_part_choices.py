@@ -132,8 +132,8 @@ def test_part_that_is_named_has_a_collider_of_its_own(kit, glob, collider, prior
     _, geometry, _ = shaped(kit.document, **keys)
     contacts = [shape.contact for shape in geometry.of("shank", "collision")]
     assert sorted(contact.priority if contact else 0 for contact in contacts) == priorities
-    others = (*geometry.of("base", "collision"), *geometry.of("shank", "visual"))
-    assert {shape.contact for shape in others} == {None}
+    unnamed = (*geometry.of("base", "collision"), *geometry.of("shank", "visual"))
+    assert {shape.contact for shape in unnamed} == {None}
 
 
 BALL = Primitive("sphere", (0.01,), frozen(np.eye(4)))

@@ -16,9 +16,9 @@ ALLOWED = Fault(body=b'{"items": []}')
 
 def rows(capsys, *arguments, environ=None):
     document = doctor.run([*arguments, "--json"], environ or {})
-    told = json.loads(text_of(document))
-    assert told["works"] == (document.exit_status == 0)
-    return {row["subject"]: row for row in told["examined"]}
+    answer = json.loads(text_of(document))
+    assert answer["works"] == (document.exit_status == 0)
+    return {row["subject"]: row for row in answer["examined"]}
 
 
 @pytest.fixture(autouse=True)
@@ -46,12 +46,15 @@ def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch, tmp_
     monkeypatch.setattr(installation, "_PROBE", "broken")
     real, other = installation.installed, {"trimesh": "absent", "usd-core": "absent", "numpy": "1.0"}
     monkeypatch.setattr(installation, "installed", lambda name: other.get(name) or real(name))
-    told = {row.subject: row for row in installation.examined()}
-    assert told["packages"].state == "wrong"
-    assert "trimesh is not installed" in told["packages"].detail
-    assert "numpy is 1.0, accepted is >=2.0,<3" in told["packages"].detail
-    assert (told["extra usd"].state, told["extra usd"].hint) == ("note", "pip install 'usd-core>=26.3,<27'")
-    assert (told["mujoco"].state, told["mujoco"].detail) == (
+    row_of = {row.subject: row for row in installation.examined()}
+    assert row_of["packages"].state == "wrong"
+    assert "trimesh is not installed" in row_of["packages"].detail
+    assert "numpy is 1.0, accepted is >=2.0,<3" in row_of["packages"].detail
+    assert (row_of["extra usd"].state, row_of["extra usd"].hint) == (
+        "note",
+        "pip install 'usd-core>=26.3,<27'",
+    )
+    assert (row_of["mujoco"].state, row_of["mujoco"].detail) == (
         "wrong",
         "it does not run: ImportError: no libGL",
     )

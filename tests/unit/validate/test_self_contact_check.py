@@ -69,11 +69,11 @@ def test_pairs_that_touch_as_reported_are_counted_if_the_geometry_is_known(tmp_p
     robot = closed_gripper()
     geometry = geometry_of(robot)
     write(robot, tmp_path, geometry=geometry)
-    for known, details in (
+    for options, details in (
         ({"geometry": geometry}, ["1 pair of links touches at home, as reported"]),
         ({}, []),
     ):
-        checks = checked(tmp_path, robot, plan_of(), **known)
+        checks = checked(tmp_path, robot, plan_of(), **options)
         assert [check.detail for check in checks if "contact with itself" in check.name] == details
 
 

@@ -155,10 +155,10 @@ def test_each_thing_of_a_model_with_everything_is_named(tmp_path, capsys):
     path = tmp_path / "robot.xml"
     path.write_text(EVERYTHING)
     check, *_ = judge_file("mjx", path)
-    told = " ".join(f"{finding.element} {finding.attribute}" for finding in check.findings)
+    places = " ".join(f"{finding.element} {finding.attribute}" for finding in check.findings)
     names = ("can", "egg", "rock", "volt", "loop", "mine", "glue", "late", "push", "far")
     words = ("flag energy", "flag fwdinv", "flag override", "option solver", "option integrator", "condim")
-    assert [word for word in (*(f'"{name}"' for name in names), *words) if word not in told] == []
+    assert [word for word in (*(f'"{name}"' for name in names), *words) if word not in places] == []
     assert run(["check", "--target", "mjx", str(path)]) == 3
     output = capsys.readouterr().out
     assert "C-TARGET" in output
