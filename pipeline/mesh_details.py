@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from linkwright.pipeline.caching.actions import Remembered
+from linkwright.pipeline.caching.actions import MemoResult
 from linkwright.pipeline.stages.context import notes
 from linkwright.stages.robot.contact.exclude_names import excluded_colliders
 from linkwright.stages.robot.text.plural import count
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _MM_PER_M = 1e3
 
 
-def noted(geometry: "Geometry", remembered: Sequence[Remembered]) -> bytes:
+def noted(geometry: "Geometry", remembered: Sequence[MemoResult]) -> bytes:
     """Returns the notes of the mesh stage. `remembered`: the results inside the stage, new or cached."""
     files = {shape.file for shape in geometry.shapes if shape.file is not None}
     figures = {"meshes": len(files), "triangles": sum(shape.faces for shape in geometry.shapes)}
@@ -27,7 +27,7 @@ def noted(geometry: "Geometry", remembered: Sequence[Remembered]) -> bytes:
     return notes(summary, geometry.diagnostics, figures, details=tables, lasts=geometry.lasts)
 
 
-def details(geometry: "Geometry", remembered: Sequence[Remembered] = ()) -> dict[str, Any]:
+def details(geometry: "Geometry", remembered: Sequence[MemoResult] = ()) -> dict[str, Any]:
     """Returns the report's tables about the geometry: lists of rows by name.
 
     - `colliders`: how the parts of each link collide; lengths in mm, volumes as shares of the part's volume.
@@ -58,9 +58,9 @@ def kept(details: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _colliders(
-    colliders: Iterable["ColliderFigures"], remembered: Sequence[Remembered]
+    colliders: Iterable["ColliderFigures"], remembered: Sequence[MemoResult]
 ) -> list[dict[str, Any]]:
-    steps: dict[str, list[Remembered]] = {}
+    steps: dict[str, list[MemoResult]] = {}
     for step in remembered:
         if step.kind == "mesh.collider":
             steps.setdefault(step.key["collider"], []).append(step)

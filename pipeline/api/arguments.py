@@ -22,10 +22,11 @@ from linkwright.pipeline.run.preflight import plan_problems
 
 HEADER = "# @package _global_\n"
 
-DATA = "the robot's data"
+_DATA_TEXT = "the robot's data"
+"""Text that replaces the path of the temporary file in messages."""
 
 TRUST_ARGUMENTS = {"source.trust": "trust=True", "plugins": "plugins=[...]", "output": "output=..."}
-"""Keys that only the caller may set, or only the caller without limits → the argument of `build`."""
+"""Keys that a robot's file may not set, or only within limits → the argument of `build` that sets them."""
 
 _HYDRA_LOCK = RLock()
 """Hydra composes for one thread at a time."""
@@ -44,11 +45,13 @@ def plan_of(
         names = " and ".join("a mapping" if isinstance(robot, Mapping) else str(robot) for robot in robots)
         raise ConfigError(f"one robot is built at a time, got {names}", "", "call build once for each")
     overrides = [str(argument) for argument in arguments if not is_robot(argument)]
-    chosen = next((text for text in overrides if text.lstrip("+").startswith("robot=")), None)
-    if robots and chosen:
+    robot_override = next((text for text in overrides if text.lstrip("+").startswith("robot=")), None)
+    if robots and robot_override:
         names = "a mapping" if isinstance(robots[0], Mapping) else str(robots[0])
-        hint = f"leave one out, or begin with the other: defaults: [/robot/{chosen.partition('=')[2]}]"
-        raise ConfigError(f"one robot is built at a time, got {names} and {chosen}", "", hint)
+        hint = (
+            f"leave one out, or begin with the other: defaults: [/robot/{robot_override.partition('=')[2]}]"
+        )
+        raise ConfigError(f"one robot is built at a time, got {names} and {robot_override}", "", hint)
     overrides += ["source.trust=true"] if trust else []
     overrides += [f"plugins=[{','.join(map(quote_text, plugins))}]"] if plugins else []
     overrides += [f"output={quote_text(os.fspath(output))}"] if output is not None else []
@@ -60,14 +63,14 @@ def plan_of(
     with _HYDRA_LOCK, robot_file(robot) as file:
         overrides = [*([f"robot={file}"] if file else []), *overrides]
         try:
-            addresses = _addresses(robot)
+            addresses = _assembly_addresses(robot)
             return compose_plan(overrides, folders, judge=plan_problems, addresses=addresses).plan
         except ConfigError as error:
             if not error.problems:
                 raise
-            problems = [_in_python(problem) for problem in error.problems]
+            problems = [_with_python_hint(problem) for problem in error.problems]
             if isinstance(robot, Mapping):
-                problems = [_without_file(problem, Path(file)) for problem in problems]
+                problems = [_without_path(problem, Path(file)) for problem in problems]
             raise refusal(problems) from None
 
 
@@ -83,8 +86,8 @@ def is_robot(argument: object) -> bool:
     return isinstance(argument, Mapping | os.PathLike)
 
 
-def _addresses(robot: Any) -> list[str]:
-    """Returns the address of the assembly if the robot is data, since then the caller names it."""
+def _assembly_addresses(robot: Any) -> list[str]:
+    """Returns the assembly's address in a robot given as data, else []: the caller, not a file, names it."""
     source = robot.get("source") if isinstance(robot, Mapping) else None
     address = source.get("url") if isinstance(source, Mapping) else None
     return [address] if isinstance(address, str) else []
@@ -103,16 +106,16 @@ def robot_file(robot: Any) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="linkwright-") as folder:
         file = Path(folder) / "robot" / f"{stem}.yaml"
         file.parent.mkdir()
-        text = yaml.dump(data, Dumper=_Quoting, sort_keys=False, allow_unicode=True)
+        text = yaml.dump(data, Dumper=_QuotingDumper, sort_keys=False, allow_unicode=True)
         file.write_text(HEADER + text, encoding="utf-8")
         yield str(file)
 
 
-class _Quoting(yaml.SafeDumper):  # type: ignore[misc]
+class _QuotingDumper(yaml.SafeDumper):  # type: ignore[misc]
     """Writes all texts in quotes, since YAML parsers differ about `1e5` or `on` without them."""
 
 
-_Quoting.add_representer(
+_QuotingDumper.add_representer(
     str, lambda dumper, text: dumper.represent_scalar("tag:yaml.org,2002:str", text, style='"')
 )
 
@@ -134,16 +137,16 @@ def as_data(value: Any, key: str = "") -> Any:
     raise refusal([Diagnostic("E-VALUE", message, key)])
 
 
-def _in_python(problem: Diagnostic) -> Diagnostic:
-    """Returns a problem with a hint for callers from Python."""
+def _with_python_hint(problem: Diagnostic) -> Diagnostic:
+    """Returns the problem; if an argument of `build` allows the key, with a hint that names it."""
     if problem.code != TRUST_CODE or problem.where not in TRUST_ARGUMENTS:
         return problem
     return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUST_ARGUMENTS[problem.where]})")
 
 
-def _without_file(problem: Diagnostic, file: Path) -> Diagnostic:
+def _without_path(problem: Diagnostic, file: Path) -> Diagnostic:
     """Returns a problem of a robot given as data, without the path of its temporary file."""
     name = re.escape(f"{file.parent.name}/{file.stem}")
     path = re.compile(rf"[^\s'\"]*{re.escape(file.parent.parent.name)}/{name}(\.yaml)?|\b{name}\.yaml")
-    texts = (path.sub(DATA, text) for text in (problem.message, problem.where, problem.hint))
+    texts = (path.sub(_DATA_TEXT, text) for text in (problem.message, problem.where, problem.hint))
     return Diagnostic(problem.code, *texts)

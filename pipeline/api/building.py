@@ -105,7 +105,7 @@ def build(
     output: the folder that gets the files too; without it, and without the key `output`, the build writes
         only its cache.
     trust: whether a xacro file, which is a program, may run. A robot's file or mapping cannot say so.
-    plugins: modules whose classes the robot may name; likewise.
+    plugins: modules whose classes the robot may name. A robot's file or mapping cannot set them.
     config_dirs: folders that hold `robot/`, besides the working folder.
     progress: whether the stages are shown on stderr while they run.
 
@@ -116,5 +116,5 @@ def build(
     display = None
     if progress:
         display = progress_for(sys.stderr)
-    built = build_files(plan, display, in_memory=plan.output is None)
-    return Build(built.report, built.files, built.robot)
+    result = build_files(plan, display, in_memory=plan.output is None)
+    return Build(result.report, result.files, result.robot)

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 Q: TypeAlias = "Mapping[str, float | Sequence[float]] | Sequence[float] | npt.NDArray[np.floating[Any]]"
 """Joint values by name, or all of them in the order of `Robot.dofs`, one after the other."""
 
-NUMBERS = {"turn": 1, "slide": 1, "ball": 4, "free": 7}
-"""Number of numbers in a joint value, by the kind of its dof."""
+VALUE_LENGTHS = {"turn": 1, "slide": 1, "ball": 4, "free": 7}
+"""The count of numbers in a dof's value, by the kind of dof."""
 
 
 class Robot:
@@ -39,7 +39,7 @@ class Robot:
 
     def __init__(self, value: model.Robot) -> None:
         self.model = value
-        """The whole value, as the stages of a build have it."""
+        """The robot as the stages of a build pass it on."""
         self.name: str = value.name
         self.links: Mapping[str, model.Link] = _by_name(value.links)
         self.joints: Mapping[str, model.Joint] = _by_name(value.joints)
@@ -90,9 +90,9 @@ class Robot:
     def values(self, q: "Q | None" = None) -> dict[str, Value]:
         """Returns the value of every dof at `q`; a dof that `q` does not name follows its relation or is
         0."""
-        chosen = self._read({} if q is None else q)
-        values = {**kinematics.rest_configuration(self.model), **chosen}
-        rules = {rule.follower: rule for rule in self.model.relations if rule.follower not in chosen}
+        q_values = self._read({} if q is None else q)
+        values = {**kinematics.rest_configuration(self.model), **q_values}
+        rules = {rule.follower: rule for rule in self.model.relations if rule.follower not in q_values}
 
         def value(name: str) -> Value:
             rule = rules.get(name)
@@ -107,15 +107,20 @@ class Robot:
         """Returns the values in `q`, by the name of the dof."""
         if not isinstance(q, Mapping):
             numbers = [float(number) for number in q]
-            total = sum(NUMBERS[dof.kind] for dof in self.dofs.values())
+            total = sum(VALUE_LENGTHS[dof.kind] for dof in self.dofs.values())
             if len(numbers) != total:
                 message = f"expected {total} numbers, one after the other as in `dofs`, got {len(numbers)}"
                 raise LinkwrightError(message, "q")
             remaining = iter(numbers)
-            q = {name: [next(remaining) for _ in range(NUMBERS[dof.kind])] for name, dof in self.dofs.items()}
+            q = {
+                name: [next(remaining) for _ in range(VALUE_LENGTHS[dof.kind])]
+                for name, dof in self.dofs.items()
+            }
         return {name: self._value(name, numbers) for name, numbers in q.items()}
 
     def _value(self, name: str, value: Any) -> Value:
+        """Returns the value of a dof from a number or numbers. Raises LinkwrightError for an unknown dof or a
+        wrong count."""
         dof = self.dofs.get(name)
         if dof is None:
             hint = nearest(name, self.dofs) or f"dofs: {', '.join(self.dofs)}"
@@ -124,8 +129,8 @@ class Robot:
             numbers = tuple(float(number) for number in value)
         except TypeError:  # a single number, of Python or numpy
             numbers = (float(value),)
-        if len(numbers) != NUMBERS[dof.kind]:
-            message = f"expected {count(NUMBERS[dof.kind], 'number')}, got {len(numbers)}"
+        if len(numbers) != VALUE_LENGTHS[dof.kind]:
+            message = f"expected {count(VALUE_LENGTHS[dof.kind], 'number')}, got {len(numbers)}"
             raise LinkwrightError(message, f"q.{name}")
         return numbers if len(numbers) > 1 else numbers[0]
 

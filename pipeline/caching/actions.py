@@ -23,12 +23,12 @@ from linkwright.pipeline.secrets import Secrets
 
 Mode = Literal["use", "refresh", "bypass"]
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
-Seen = Callable[["Remembered"], None]
+OnResult = Callable[["MemoResult"], None]
 Check = Callable[[Mapping[str, bytes]], None]
 """Raises an error for files that must not be kept."""
 
 LAYOUT = 1
-"""Part of every key: raised when records change their meaning."""
+"""Version of the records, a part of every key: raised when their meaning changes."""
 
 
 def canonical(value: Any) -> bytes:
@@ -49,6 +49,7 @@ class Action:
 
     @property
     def key(self) -> str:
+        """The SHA-256 under which the record of the action is stored."""
         return sha256(
             canonical(
                 {
@@ -64,8 +65,8 @@ class Action:
 
 
 @dataclass(frozen=True, slots=True)
-class Remembered:
-    """A result inside a stage; `seconds`: the time to make it [s], even if it came from the cache."""
+class MemoResult:
+    """A result inside a stage; `seconds`: the time to make it [s], also if it came from the cache."""
 
     kind: str
     key: Mapping[str, Any]
@@ -96,8 +97,8 @@ class Files(Mapping[str, bytes]):
 
     def below(self, prefix: str) -> "Files":
         """Returns the files below a folder, with paths relative to it."""
-        inside = {p.removeprefix(prefix): d for p, d in self.digests.items() if p.startswith(prefix)}
-        return Files(self._store, inside)
+        paths = [path for path in self.digests if path.startswith(prefix)]
+        return Files(self._store, {path.removeprefix(prefix): self.digests[path] for path in paths})
 
 
 class Cache:
@@ -112,7 +113,7 @@ class Cache:
         self.mode = mode
         self.check = check
         self.on_wait: Callable[[str], None] = lambda _: None
-        self._fresh: set[str] = set()
+        self._renewed_keys: set[str] = set()
 
     def run(
         self,
@@ -151,7 +152,7 @@ class Cache:
                 "seconds": seconds,
             }
             self.store.publish(key, record)
-            self._fresh.add(key)
+            self._renewed_keys.add(key)
         return files, False
 
     def keep(self, outputs: Mapping[str, bytes]) -> Files:
@@ -160,7 +161,7 @@ class Cache:
         return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
 
     def name(self, action: Action, files: Files) -> None:
-        """Records files that the store already holds as the outputs of `action`."""
+        """Publishes a record that names already stored files as the outputs of `action`."""
         record = {
             "stage": action.stage,
             "version": action.version,
@@ -172,25 +173,26 @@ class Cache:
             self.store.publish(action.key, record)
 
     def memo(
-        self, stage: str, version: int, libraries: Mapping[str, str], seen: Seen = lambda _: None
+        self, stage: str, version: int, libraries: Mapping[str, str], on_result: OnResult = lambda _: None
     ) -> Memo:
         """Returns a function that caches results inside a stage, each as an action: `memo(kind, key, make)`.
-        `seen` is called with each result."""
+        `on_result` is called with each result."""
 
         def remember(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
             action = Action(f"{stage}/{kind}", version, config=dict(key), libraries=libraries)
             files, cached = self.run(action, lambda: {"value": make()})
-            seen(Remembered(kind, key, cached, files.seconds))
+            on_result(MemoResult(kind, key, cached, files.seconds))
             return files["value"]
 
         return remember
 
     def replies(self) -> "Replies":
+        """Returns the replies of the fetch stage that this cache stores."""
         return Replies(self)
 
     def reusable(self, action: Action) -> Files | None:
         """Returns the outputs of an action if `run` would take them from the cache, else None."""
-        if self.mode == "refresh" and action.key not in self._fresh:
+        if self.mode == "refresh" and action.key not in self._renewed_keys:
             return None
         return self.find(action.key)
 
@@ -244,10 +246,7 @@ class Replies:
         self._publish("fact", subject, {}, {}, fact=dict(fact))
 
     def lock(self, subject: str) -> contextlib.AbstractContextManager[None]:
-        """Admits a single thread of all processes at a time, for each subject.
-
-        The lock of a process that is killed ends with it.
-        """
+        """Admits a single thread of all processes at a time, for each subject; a kill releases the lock."""
         return self._cache.store.lock(self._action(subject, "alone").key)
 
     def _publish(
@@ -271,14 +270,13 @@ class Replies:
 
 def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
     """Returns the cache folder: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
-    Raises ConfigError for the home folder of an unknown user.
-    """
-    chosen = configured or environ.get("LINKWRIGHT_CACHE")
-    if chosen:
+    Raises ConfigError for the home folder of an unknown user."""
+    named_folder = configured or environ.get("LINKWRIGHT_CACHE")
+    if named_folder:
         try:
-            return Path(chosen).expanduser()
+            return Path(named_folder).expanduser()
         except RuntimeError as error:
-            msg = f"{chosen} names the home folder of an unknown user"
+            msg = f"{named_folder} names the home folder of an unknown user"
             where = "cache.dir" if configured else "LINKWRIGHT_CACHE"
             raise ConfigError(msg, where, "name a folder, or remove the key") from error
     # Imported late: a cache in a named folder needs no platformdirs.
@@ -295,20 +293,20 @@ def opened(
     removed at the end."""
     check = Secrets(environ).check
     if mode == "bypass":
-        with _private() as private:
+        with _private_folder() as private:
             yield Cache(Store(private), check=check)
     else:
         yield Cache(Store(folder(configured, environ)), mode, check)
 
 
 @contextlib.contextmanager
-def _private() -> Iterator[Path]:
+def _private_folder() -> Iterator[Path]:
     """Creates a private folder, and removes it at the end; raises CacheError if it cannot be created."""
     with contextlib.ExitStack() as stack:
         try:
-            private = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
+            temporary = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
         except OSError as error:
             msg = f"no temporary folder can be made: {reason(error)}"
             hint = "free space there, or name another folder in the environment variable TMPDIR"
             raise CacheError(msg, tempfile.tempdir or "", hint) from error
-        yield Path(stack.enter_context(private))
+        yield Path(stack.enter_context(temporary))

@@ -1,8 +1,8 @@
 """Records the bundle of a build in the cache under its digest, and finds it by the digest.
 
-It is the digest of the fetch stage's manifest, which names every reply by its digest; `report.json` has it as
-`bundle.manifest`. With it the inputs of a build can be found while the cache keeps them, even for a
-workspace, whose fetch has no key.
+The digest is that of the fetch stage's manifest, which names every reply by its digest; `report.json` has it
+as `bundle.manifest`. It finds the inputs of a build while the cache keeps them, even for a workspace, whose
+fetch has no key.
 """
 
 import json
@@ -21,7 +21,11 @@ _MANIFEST = "manifest.json"
 def remember(cache: Cache, fetched: Files) -> str:
     """Records the result of the fetch stage under the digest of its manifest; returns the digest."""
     digest = fetched.digests[_MANIFEST]
-    bundle = {path: d for path, d in fetched.digests.items() if path == _MANIFEST or path.startswith(REPLIES)}
+    bundle = {
+        path: file_digest
+        for path, file_digest in fetched.digests.items()
+        if path == _MANIFEST or path.startswith(REPLIES)
+    }
     cache.name(_action(digest), Files(cache.store, bundle))
     return digest
 
@@ -38,12 +42,12 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
 def named(bundle: "Bundle") -> dict[str, bytes]:
     """Returns the content of a bundle by readable names: the robot's file, or the request of a reply."""
     names = {digest: request for request, digest in bundle.requests.items()}
-    about = {"root": dict(bundle.root), "requests": dict(bundle.requests)}
+    manifest = {"root": dict(bundle.root), "requests": dict(bundle.requests)}
     if isinstance(bundle, FileBundle):
         names[bundle.definition] = bundle.root["document"]
-        about["options"] = dict(bundle.options)
+        manifest["options"] = dict(bundle.options)
     bodies = {names.get(digest, digest): body for digest, body in bundle.blobs.items()}
-    return {**bodies, _MANIFEST: json.dumps(about, ensure_ascii=False).encode()}
+    return {**bodies, _MANIFEST: json.dumps(manifest, ensure_ascii=False).encode()}
 
 
 def _action(digest: str) -> Action:

@@ -10,8 +10,9 @@ from pathlib import Path
 MIN_FREE_BYTES = 1_000_000
 """Free space that every build needs [bytes]."""
 
-_CHUNK = 1 << 20
-_UNSUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
+_CHUNK_BYTES = 1 << 20
+_UNSUPPORTED_ERRORS = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
+"""Errors of file systems that cannot sync or allocate a file."""
 
 
 @contextlib.contextmanager
@@ -19,14 +20,14 @@ def reserved(folder: Path, size: int) -> Iterator[None]:
     """Reserves `size` bytes on the disk of `folder` while the block runs; raises OSError if space is missing.
 
     A synced temporary file reserves them, since a file system may report free space that a server or a quota
-    refuses. If the system supports files without a name, nothing remains even after a kill.
+    refuses. Where the system supports files without a name, a kill leaves nothing behind.
     """
     with tempfile.TemporaryFile(dir=folder, prefix="room-") as file:
         _reserve(file.fileno(), size)
         try:
             os.fsync(file.fileno())
         except OSError as error:
-            if error.errno not in _UNSUPPORTED:
+            if error.errno not in _UNSUPPORTED_ERRORS:
                 raise
         yield
 
@@ -37,10 +38,10 @@ def _reserve(handle: int, size: int) -> None:
         try:
             os.posix_fallocate(handle, 0, size)
         except OSError as error:
-            if error.errno not in _UNSUPPORTED:
+            if error.errno not in _UNSUPPORTED_ERRORS:
                 raise
         else:
             return
     while size > 0:
         # Random bytes, since some file systems compress.
-        size -= os.write(handle, os.urandom(min(size, _CHUNK)))
+        size -= os.write(handle, os.urandom(min(size, _CHUNK_BYTES)))

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from linkwright.pipeline.caching.shared import LOST, now, patient
+from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, now, with_retries
 from linkwright.pipeline.caching.store import digest_of
 from linkwright.pipeline.errors import CacheError, reason
 from linkwright.pipeline.lock import drop
@@ -38,7 +38,8 @@ class Record:
     """Digests of the blobs that it names."""
 
     @property
-    def paid(self) -> bool:
+    def is_costly(self) -> bool:
+        """Tells whether making the result again costs API calls."""
         return self.stage in COSTLY_STAGES
 
 
@@ -54,7 +55,7 @@ class CacheSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Cleared:
+class Clearing:
     """The result of freeing space."""
 
     records: int
@@ -70,7 +71,7 @@ class Cleared:
 
 
 @dataclass(frozen=True, slots=True)
-class Verified:
+class Verification:
     """The result of verifying the cache."""
 
     blobs: int
@@ -94,21 +95,21 @@ def summary(root: Path) -> CacheSummary:
     )
 
 
-def collect(root: Path, most: int) -> Cleared:
-    """Removes files until blobs and records take at most `most` bytes, or only recent files are left.
+def collect(root: Path, max_size: int) -> Clearing:
+    """Removes files until blobs and records take at most `max_size` bytes, or only recent files are left.
 
-    First blobs without a record, then the records used longest ago, with the blobs that only they name.
-    Records that cost API calls are removed last.
+    It first removes blobs without a record, then the records used longest ago, with the blobs that only they
+    name; records that cost API calls come last.
     """
     sizes, records = dict(_blobs(root)), list(_records(root))
     use_counts = Counter(digest for record in records for digest in set(record.outputs))
     size = sum(record.size for record in records) + sum(sizes.get(digest, 0) for digest in use_counts)
     removed_records = []
-    limit = _now(root) - MIN_AGE
-    for record in sorted(records, key=lambda record: (record.paid, record.used, record.path)):
-        if size <= most:
+    latest_use = _now(root) - MIN_AGE
+    for record in sorted(records, key=lambda record: (record.is_costly, record.used, record.path)):
+        if size <= max_size:
             break
-        if record.used > limit:
+        if record.used > latest_use:
             continue
         removed_records.append(record)
         size -= record.size
@@ -119,13 +120,13 @@ def collect(root: Path, most: int) -> Cleared:
     for record in removed_records:
         _remove(record.path)
     removed_blobs = [
-        digest for digest in sizes if not use_counts[digest] and _remove_old(_blob(root, digest), limit)
+        digest for digest in sizes if not use_counts[digest] and _remove_old(_blob(root, digest), latest_use)
     ]
     drop_locks(root / "locks")
     freed = sum(record.size for record in removed_records) + sum(sizes[digest] for digest in removed_blobs)
-    paid = sum(record.paid for record in removed_records)
+    paid = sum(record.is_costly for record in removed_records)
     remaining = sum(sizes.values()) + sum(record.size for record in records) - freed
-    return Cleared(len(removed_records), paid, len(removed_blobs), freed, remaining)
+    return Clearing(len(removed_records), paid, len(removed_blobs), freed, remaining)
 
 
 def drop_locks(folder: Path) -> int:
@@ -133,7 +134,7 @@ def drop_locks(folder: Path) -> int:
     return sum(drop(path) for path in folder.glob("*.lock"))
 
 
-def verify(root: Path) -> Verified:
+def verify(root: Path) -> Verification:
     """Reads every blob; removes blobs with a wrong digest, and records that name missing blobs."""
     sizes = dict(_blobs(root))
     broken = tuple(digest for digest in sorted(sizes) if not _is_intact(_blob(root, digest)))
@@ -148,7 +149,9 @@ def verify(root: Path) -> Verified:
     ]
     for record in broken_records:
         _remove(record.path)
-    return Verified(len(sizes), broken, len(broken_records), sum(record.paid for record in broken_records))
+    return Verification(
+        len(sizes), broken, len(broken_records), sum(record.is_costly for record in broken_records)
+    )
 
 
 def _blobs(root: Path) -> Iterator[tuple[str, int]]:
@@ -167,9 +170,9 @@ def _records(root: Path) -> Iterator[Record]:
     for path in (root / "ac").glob("??/*.json"):
         try:
             status = path.stat()
-            data = patient(path.read_bytes)
+            data = with_retries(path.read_bytes)
         except OSError as error:
-            if error.errno in LOST:
+            if error.errno in UNREACHABLE_ERRORS:
                 # The blobs that it names would look unused.
                 msg = f"a file of the cache cannot be read: {reason(error)}"
                 hint = "run it again when the disk or the server is back"
@@ -186,7 +189,7 @@ def _records(root: Path) -> Iterator[Record]:
 def _is_intact(path: Path) -> bool:
     """Tells whether the content matches the name; a file that vanished meanwhile counts as intact."""
     try:
-        return patient(lambda: digest_of(path)) == path.name
+        return with_retries(lambda: digest_of(path)) == path.name
     except FileNotFoundError:
         return True
     except OSError:
@@ -194,7 +197,7 @@ def _is_intact(path: Path) -> bool:
 
 
 def _now(root: Path) -> float:
-    """Returns the current time [s] of the clock that dates the cache's files; of this host's clock if the
+    """Returns the current time [s] by the clock that dates the cache's files, or by this host's clock if the
     cache cannot be written."""
     try:
         return now(root / "tmp")

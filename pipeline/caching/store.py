@@ -8,7 +8,7 @@
 Every file is written under `tmp/` and published by `os.replace`, blobs before the record that names them; so
 a kill at any moment leaves only complete files. Locks only save work: without working locks (some network
 filesystems) work may be done twice, with the same result. A file system that is out of reach is an error,
-never a miss: a missing result may have to be paid again.
+never a miss: making a missing result again may cost API calls.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
 from linkwright.pipeline.caching import disk_space
-from linkwright.pipeline.caching.shared import LOST, now, patient
+from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, now, with_retries
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import FULL, CacheError, OutputError, reason
 from linkwright.pipeline.lock import acquired
@@ -69,7 +69,7 @@ class Store:
             for folder in (self._cas, self._ac, self._tmp, self._locks):
                 folder.mkdir(parents=True, exist_ok=True)
             self._write(self._tmp / f"probe-{secrets.token_hex(4)}", b"").unlink(missing_ok=True)
-        self._sweep()
+        self._remove_leftovers()
 
     def put(self, data: bytes) -> str:
         """Stores a blob; returns its digest."""
@@ -121,15 +121,15 @@ class Store:
             self._write(self._record(key), json.dumps(record, indent=1).encode())
 
     @contextlib.contextmanager
-    def lock(self, key: str, waiting: Callable[[], None] = lambda: None) -> Iterator[None]:
+    def lock(self, key: str, on_wait: Callable[[], None] = lambda: None) -> Iterator[None]:
         """Acquires the lock of `key`; a thread may own the locks of several keys.
 
-        `waiting` is called once if another process keeps the lock for long.
+        `on_wait` is called once if another process keeps the lock for long.
         """
         with contextlib.ExitStack() as stack:
             # Without locks (some network filesystems) the work may be done twice, with the same result.
             with contextlib.suppress(OSError):
-                stack.enter_context(acquired(self._locks / f"{key}.lock", waiting))
+                stack.enter_context(acquired(self._locks / f"{key}.lock", on_wait))
             yield
 
     @contextlib.contextmanager
@@ -163,19 +163,19 @@ class Store:
         is out of reach."""
         with self._cache_errors("read"):
             try:
-                return patient(act)
+                return with_retries(act)
             except OSError as error:
-                if error.errno in LOST:
+                if error.errno in UNREACHABLE_ERRORS:
                     raise
                 return None
 
     def _write(self, path: Path, data: bytes, mode: int = 0o644) -> Path:
         """Writes a file atomically."""
         try:
-            return patient(lambda: self._write_once(path, data, mode))
+            return with_retries(lambda: self._write_once(path, data, mode))
         except FileNotFoundError:
             # Either a server's reply to the rename was lost, or another host cleaned up.
-            return patient(lambda: self._write_once(path, data, mode))
+            return with_retries(lambda: self._write_once(path, data, mode))
 
     def _write_once(self, path: Path, data: bytes, mode: int) -> Path:
         handle, name = tempfile.mkstemp(dir=self._tmp)
@@ -191,7 +191,7 @@ class Store:
             raise
         return path
 
-    def _sweep(self) -> None:
+    def _remove_leftovers(self) -> None:
         """Removes the files of killed processes from `tmp/`."""
         with contextlib.suppress(OSError):
             limit = now(self._tmp) - MAX_TEMPORARY_AGE
@@ -205,14 +205,14 @@ class Store:
                         entry.unlink()
 
     @contextlib.contextmanager
-    def _cache_errors(self, done: str) -> Iterator[None]:
-        """Turns an OSError into a CacheError that names the folder."""
+    def _cache_errors(self, participle: str) -> Iterator[None]:
+        """Turns an OSError into a CacheError that names the folder; `participle`: "read" or "written"."""
         try:
             yield
         except OSError as error:
-            msg = f"the cache folder cannot be {done}: {reason(error)}"
+            msg = f"the cache folder cannot be {participle}: {reason(error)}"
             hint = "choose another with cache.dir=FOLDER or LINKWRIGHT_CACHE, or build with cache.mode=bypass"
-            if error.errno in LOST:
+            if error.errno in UNREACHABLE_ERRORS:
                 hint = "run it again when it is back; linkwright cache verify finds what a disk has lost"
             if error.errno in FULL:
                 hint = (

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
-from linkwright.pipeline.caching.shared import LOST, patient
+from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, with_retries
 from linkwright.pipeline.lock import FOLDER as LOCKS
 from linkwright.pipeline.output.replacing import replace
 
@@ -76,7 +76,7 @@ class DigestReader:
             with open(file.path, "rb") as opened:
                 return _with_plain_line_ends(opened) == digest
         except OSError as error:
-            if error.errno in LOST:
+            if error.errno in UNREACHABLE_ERRORS:
                 raise
             return False
 
@@ -253,10 +253,10 @@ def _json(file: Path) -> dict[str, Any]:
     reach."""
     try:
         # A pipe or a device of that name would block.
-        data = patient(lambda: file.read_bytes() if file.is_file() and not file.is_symlink() else b"")
+        data = with_retries(lambda: file.read_bytes() if file.is_file() and not file.is_symlink() else b"")
         content = json.loads(data)
     except OSError as error:
-        if error.errno in LOST:
+        if error.errno in UNREACHABLE_ERRORS:
             raise
         return {}
     except (ValueError, RecursionError):

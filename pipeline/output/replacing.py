@@ -4,7 +4,7 @@ import contextlib
 import secrets
 from pathlib import Path
 
-from linkwright.pipeline.caching.shared import patient
+from linkwright.pipeline.caching.shared import with_retries
 
 
 def replace(file: Path, data: bytes) -> None:
@@ -20,7 +20,7 @@ def replace(file: Path, data: bytes) -> None:
         staged.replace(file)
 
     try:
-        patient(write)
+        with_retries(write)
     except BaseException:
         with contextlib.suppress(OSError):
             staged.unlink(missing_ok=True)

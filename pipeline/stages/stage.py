@@ -17,7 +17,7 @@ import linkwright.stages.mesh
 import linkwright.stages.validate
 from linkwright.pipeline import interrupt
 from linkwright.pipeline.caching import bundles
-from linkwright.pipeline.caching.actions import Action, Files, Remembered
+from linkwright.pipeline.caching.actions import Action, Files, MemoResult
 from linkwright.pipeline.config.plan import Plan, section
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.element_files import require_valid_elements
@@ -170,7 +170,7 @@ class MeshStage(StageBase):
         require_names(context.robot, context.plan)
         # MuJoCo makes no mesh: results that it decides have its version in their own keys.
         versions = {name: version for name, version in libraries(self).items() if name != "mujoco"}
-        memo_results: list[Remembered] = []
+        memo_results: list[MemoResult] = []
         memo = context.cache.memo(self.name, self.version, versions, memo_results.append)
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
         return {

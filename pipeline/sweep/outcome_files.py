@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from linkwright.pipeline import lock
-from linkwright.pipeline.caching.shared import LOST, patient
+from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, with_retries
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.output.replacing import replace as replace_file
 from linkwright.pipeline.secrets import Secrets
@@ -88,7 +88,7 @@ def left(default: Outcome, folder: Path) -> Outcome:
     """Returns the outcome that the job of an output folder has left; `default` if it has left nothing. Raises
     OSError if the file system is out of reach."""
     try:
-        record = json.loads(patient(_record_path(folder).read_bytes))
+        record = json.loads(with_retries(_record_path(folder).read_bytes))
         if "status" in record:
             relative_folder = os.path.relpath(folder.parent / record["folder"])
             return Outcome(**{**record, "number": default.number, "folder": relative_folder})
@@ -97,7 +97,7 @@ def left(default: Outcome, folder: Path) -> Outcome:
             return replace(started, status=1, message=KILLED)
         return replace(started, message=RUNNING)
     except OSError as error:
-        if error.errno in LOST:
+        if error.errno in UNREACHABLE_ERRORS:
             raise
         return default
     except (ValueError, KeyError, TypeError):

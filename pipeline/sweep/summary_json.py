@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from linkwright.pipeline.caching.shared import LOST, patient
+from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, with_retries
 from linkwright.pipeline.output import manifest
 from linkwright.stages.robot.text.printable import printable_lines
 
@@ -31,9 +31,9 @@ def runs(root: Path) -> list[dict[str, Any]]:
     """Returns the recorded runs of a sweep's folder, the oldest first; of version 1 only the last run. Raises
     OSError if the file system is out of reach."""
     try:
-        content = json.loads(patient((root / SUMMARY).read_bytes))
+        content = json.loads(with_retries((root / SUMMARY).read_bytes))
     except OSError as error:
-        if error.errno in LOST:
+        if error.errno in UNREACHABLE_ERRORS:
             # Without them, the next summary would lose them.
             raise
         return []

@@ -105,12 +105,12 @@ def test_what_is_harmed_is_found_and_made_again(cache):
     root = cache.store.root
     digest = make(cache, 1).digests["own"]
     make(cache, 2)
-    assert maintenance.verify(root) == maintenance.Verified(3, (), 0, 0)
+    assert maintenance.verify(root) == maintenance.Verification(3, (), 0, 0)
     path = root / "cas" / digest[:2] / digest
     path.chmod(0o644)
     path.write_bytes(path.read_bytes()[:-1] + b"?")
-    assert maintenance.verify(root) == maintenance.Verified(3, (digest,), 1, 0)
-    assert maintenance.verify(root) == maintenance.Verified(2, (), 0, 0)
+    assert maintenance.verify(root) == maintenance.Verification(3, (digest,), 1, 0)
+    assert maintenance.verify(root) == maintenance.Verification(2, (), 0, 0)
     fresh = Cache(Store(root))
     assert make(fresh, 1)["own"].startswith(b"1,1,")
     assert kept(fresh, 2)

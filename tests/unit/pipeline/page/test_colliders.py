@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.pipeline.caching.actions import Remembered
+from linkwright.pipeline.caching.actions import MemoResult
 from linkwright.pipeline.mesh_details import details, kept
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.secrets import Secrets
@@ -31,11 +31,11 @@ SHAPES = tuple(
 )
 GEOMETRY = Geometry(SHAPES, {}, colliders=EVERY)
 REMEMBERED = [
-    Remembered("mesh.link", {"parts": []}, False, 9.0),
-    Remembered("mesh.collider", {"collider": "k2", "step": "improve"}, False, 29.0),
-    Remembered("mesh.collider", {"collider": "k1", "step": "make"}, True, 1.25),
-    Remembered("mesh.collider", {"collider": "k2", "step": "make"}, True, 0.5),
-    Remembered("mesh.collider", {"collider": "k3", "step": "make"}, False, 0.001),
+    MemoResult("mesh.link", {"parts": []}, False, 9.0),
+    MemoResult("mesh.collider", {"collider": "k2", "step": "improve"}, False, 29.0),
+    MemoResult("mesh.collider", {"collider": "k1", "step": "make"}, True, 1.25),
+    MemoResult("mesh.collider", {"collider": "k2", "step": "make"}, True, 0.5),
+    MemoResult("mesh.collider", {"collider": "k3", "step": "make"}, False, 0.001),
 ]
 TABLES = details(GEOMETRY, REMEMBERED)
 
