@@ -40,7 +40,7 @@ class BuildChanges:
 
     @property
     def unchanged(self) -> bool:
-        """Tells whether every file of the robot is unchanged."""
+        """Tells whether the folder holds a previous build with the same robot files."""
         return not (self.first or self.robot or self.failure or self.files)
 
 
@@ -61,7 +61,7 @@ def compare_builds(
     previous = {path: digest for path, digest in before.items() if path not in no_outputs}
     if previous == dict(outputs):
         return BuildChanges()
-    sentences = (*_checks(folder, tuple(checks)), *_files(previous, outputs))
+    sentences = (*_check_sentences(folder, tuple(checks)), *_file_sentences(previous, outputs))
     # Without both robot.json files, only the lists of files can be compared.
     if FILE not in previous or FILE not in files or previous[FILE] == outputs.get(FILE):
         return BuildChanges(files=sentences)
@@ -69,8 +69,8 @@ def compare_builds(
         earlier = in_new_keys(json.loads((folder / FILE).read_bytes()))
         changes = _robot_changes(earlier, json.loads(files[FILE]))
     except Exception as error:  # an older build, or a changed file, may hold anything
-        failed = f"the {FILE} of the previous build cannot be compared: {type(error).__name__}"
-        return BuildChanges(failure=failed, files=sentences)
+        failure = f"the {FILE} of the previous build cannot be compared: {type(error).__name__}"
+        return BuildChanges(failure=failure, files=sentences)
     return BuildChanges(
         robot=changes[:MAX_ROBOT_CHANGES], more=max(0, len(changes) - MAX_ROBOT_CHANGES), files=sentences
     )
@@ -90,7 +90,7 @@ def _row_name(change: Change) -> str:
     return f"{change.section.removesuffix('s').replace('_', ' ')} {change.name}"
 
 
-def _checks(folder: Path, checks: Sequence[Check]) -> Iterator[str]:
+def _check_sentences(folder: Path, checks: Sequence[Check]) -> Iterator[str]:
     """Yields sentences on the checks that no longer pass, and on those that pass again."""
     try:
         rows = json.loads((folder / REPORT).read_bytes())["checks"]
@@ -109,8 +109,8 @@ def _checks(folder: Path, checks: Sequence[Check]) -> Iterator[str]:
             yield f"{word}: {', '.join(names[:MAX_NAMES])}{more}"
 
 
-def _files(before: Mapping[str, str | None], after: Mapping[str, str]) -> Iterator[str]:
-    """Yields which files are new, gone or different."""
+def _file_sentences(before: Mapping[str, str | None], after: Mapping[str, str]) -> Iterator[str]:
+    """Yields sentences that name the files that are new, gone or different."""
     groups = {
         "new": [path for path in after if path not in before],
         "gone": [path for path in before if path not in after],
@@ -123,8 +123,10 @@ def _files(before: Mapping[str, str | None], after: Mapping[str, str]) -> Iterat
 
 def _file_names(paths: Sequence[str]) -> str:
     """Lists files of the build's folder by name, and counts those in its subfolders."""
-    top = sorted(path for path in paths if "/" not in path)
-    inside = len(paths) - len(top)
-    top_names = top[:MAX_NAMES]
-    rest = [count(len(top) - len(top_names), "other file")] if len(top) > len(top_names) else []
-    return ", ".join([*top_names, *rest, *([f"{count(inside, 'file')} in folders"] if inside else [])])
+    top_files = sorted(path for path in paths if "/" not in path)
+    inner_count = len(paths) - len(top_files)
+    top_names = top_files[:MAX_NAMES]
+    rest = [count(len(top_files) - len(top_names), "other file")] if len(top_files) > len(top_names) else []
+    return ", ".join(
+        [*top_names, *rest, *([f"{count(inner_count, 'file')} in folders"] if inner_count else [])]
+    )

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from linkwright.pipeline.changes.change import Change
-from linkwright.pipeline.changes.pairs import Entry, Key, Names, name_of, paired, renamed
-from linkwright.pipeline.changes.values import alike, change_text, is_pose
+from linkwright.pipeline.changes.pairs import Entry, Key, Names, match_names, pair_rows, row_title
+from linkwright.pipeline.changes.values import are_equal, change_text, is_pose
 
-KEYED_BY: Mapping[str, Key] = {
+TABLE_KEYS: Mapping[str, Key] = {
     "links": "name",
     "joints": "name",
     "loops": "name",
@@ -32,7 +32,7 @@ KEYED_BY: Mapping[str, Key] = {
     "touching": ("link_a", "link_b"),
     "surplus": "file",
 }
-"""Maps each table of robot.json to the key by which its rows are found."""
+"""Maps each table of robot.json to the field, or fields, that identify its rows."""
 
 _NEW_NAMES: Mapping[str, Callable[[Names], Mapping[str, str]]] = {
     **dict.fromkeys(("links", "merged", "fused", "compensated"), lambda names: names.links),
@@ -49,18 +49,18 @@ _LINK_FIELDS = ("parent", "child", "link", "link_a", "link_b", "into", "root")
 _JOINT_FIELDS = ("follower", "driver", "dof", "joint")
 """Fields that name a joint or a dof."""
 
-_JOINT_TABLES = ("given", "values", "compensating")
+_JOINT_COLLECTIONS = ("given", "values", "compensating")
 """Fields that name several joints or dofs."""
 
-_WITH_DOFS = ("joints", "loops")
-"""Tables whose rows list their degrees of freedom; the first of these decides the units of a row."""
+_TABLES_WITH_DOFS = ("joints", "loops")
+"""Tables whose rows list degrees of freedom; the kind of the first dof decides the units of a row."""
 
-_SKIPPED_KEYS = ("format", "version", "source", "order", *KEYED_BY)
+_SKIPPED_KEYS = ("format", "version", "source", "order", *TABLE_KEYS)
 """Keys that are not compared as values of the robot: tables, which are compared row by row; fields of the
 document; and positions in arrays, which follow from everything else except the order of the rows."""
 
 _SKIPPED_PART_FIELDS = ("path", "world")
-"""Fields of a part that are not compared: its place in the assembly is its key, or follows from others."""
+"""Fields of a part that are not compared: `path` is its key, and `world` follows from other fields."""
 
 _SKIPPED_FIELDS = ("cad", "provenance", "unset", "estimated", "parts")
 """Fields of a row that are not compared: the origin of its values, and parts, which are a table here."""
@@ -68,52 +68,56 @@ _SKIPPED_FIELDS = ("cad", "provenance", "unset", "estimated", "parts")
 
 def compare(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[Change, ...]:
     """Returns all differences between two robots beyond rounding, in the order of robot.json."""
-    names = renamed(before, after)
-    return (*_robot(before, after, names), *_tables(before, after, names), *_order(before, after, names))
+    names = match_names(before, after)
+    return (
+        *_robot_changes(before, after, names),
+        *_table_changes(before, after, names),
+        *_order_changes(before, after, names),
+    )
 
 
-def _robot(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
+def _robot_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
     """Yields differences of the robot as a whole, and of tables that this version does not know."""
     for key in dict.fromkeys((*before, *after)):
         if key not in _SKIPPED_KEYS:
-            value = _in_new_names(key, before.get(key), names)
-            yield from _fields("robot", after["name"], key, value, after.get(key))
+            value = _with_new_names(key, before.get(key), names)
+            yield from _field_changes("robot", after["name"], key, value, after.get(key))
 
 
-def _tables(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    for table, key in KEYED_BY.items():
+def _table_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
+    for table, key in TABLE_KEYS.items():
         new_names = _NEW_NAMES[table](names) if table in _NEW_NAMES else {}
-        pairs = paired(before.get(table, ()), after.get(table, ()), key, new_names)
+        pairs = pair_rows(before.get(table, ()), after.get(table, ()), key, new_names)
         for row in pairs.removed:
-            yield Change(table, name_of(row, key), "removed", before=row, text=_presence(table, row))
+            yield Change(table, row_title(row, key), "removed", before=row, text=_row_text(table, row))
         for row in pairs.added:
-            yield Change(table, name_of(row, key), "added", after=row, text=_presence(table, row))
+            yield Change(table, row_title(row, key), "added", after=row, text=_row_text(table, row))
         for earlier, later in pairs.both:
-            yield from _rows(table, key, earlier, later, names)
+            yield from _row_changes(table, key, earlier, later, names)
         if table == "links":
-            yield from _parts(before, after, names)
+            yield from _part_changes(before, after, names)
 
 
-def _rows(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
+def _row_changes(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
     """Yields differences of a row that both robots have."""
-    name, old_name = name_of(after, key), name_of(before, key)
-    kind = after["dofs"][0]["kind"] if table in _WITH_DOFS and after["dofs"] else "turn"
-    # An actuator is named after its joint, so that its own renaming says nothing more.
+    name, old_name = row_title(after, key), row_title(before, key)
+    kind = after["dofs"][0]["kind"] if table in _TABLES_WITH_DOFS and after["dofs"] else "turn"
+    # An actuator is named after its joint: its renaming would only repeat that of the joint.
     if old_name != name and table in ("links", "joints", "loops"):
         yield Change(table, name, "renamed", "name", old_name, name, f"was {old_name}")
     for field in dict.fromkeys((*before, *after)):
         if field == key or field in key or field in _SKIPPED_FIELDS:
             continue
-        if field == "dofs" and table in _WITH_DOFS:
-            yield from _dofs(table, name, before[field], after[field], names)
+        if field == "dofs" and table in _TABLES_WITH_DOFS:
+            yield from _dof_changes(table, name, before[field], after[field], names)
         else:
-            value = _in_new_names(field, before.get(field), names)
-            yield from _fields(table, name, field, value, after.get(field), kind)
+            value = _with_new_names(field, before.get(field), names)
+            yield from _field_changes(table, name, field, value, after.get(field), kind)
 
 
-def _dofs(table: str, joint: str, before: Any, after: Any, names: Names) -> Iterator[Change]:
+def _dof_changes(table: str, joint: str, before: Any, after: Any, names: Names) -> Iterator[Change]:
     """Yields differences of the degrees of freedom of a joint."""
-    pairs = paired(before, after, "name", names.joints)
+    pairs = pair_rows(before, after, "name", names.joints)
     for dof in pairs.removed:
         yield Change(table, joint, "changed", dof["name"], before=dof, text=f"{dof['name']} removed")
     for dof in pairs.added:
@@ -124,18 +128,20 @@ def _dofs(table: str, joint: str, before: Any, after: Any, names: Names) -> Iter
             if field in ("name", *_SKIPPED_FIELDS):
                 continue
             path = field if is_single else f"{later['name']}.{field}"
-            yield from _fields(table, joint, path, earlier.get(field), later.get(field), later["kind"])
+            yield from _field_changes(table, joint, path, earlier.get(field), later.get(field), later["kind"])
 
 
-def _parts(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
+def _part_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
     """Yields CAD parts that were added or removed, went to another link, or moved in their link."""
     old, new = _parts_of(before), _parts_of(after)
     for key, (link, part) in old.items():
         if key not in new:
-            yield Change("parts", part["name"], "removed", before=part, text=f"from {link}, {_mass(part)}")
+            yield Change(
+                "parts", part["name"], "removed", before=part, text=f"from {link}, {_mass_text(part)}"
+            )
     for key, (link, part) in new.items():
         if key not in old:
-            yield Change("parts", part["name"], "added", after=part, text=f"to {link}, {_mass(part)}")
+            yield Change("parts", part["name"], "added", after=part, text=f"to {link}, {_mass_text(part)}")
             continue
         old_name, earlier = old[key]
         old_name = names.links.get(old_name, old_name)
@@ -146,7 +152,7 @@ def _parts(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
         for field in dict.fromkeys((*earlier, *part)):
             # In another link the part's pose is in another frame.
             if field not in _SKIPPED_PART_FIELDS and not (field == "pose" and old_name != link):
-                yield from _fields("parts", part["name"], field, earlier.get(field), part.get(field))
+                yield from _field_changes("parts", part["name"], field, earlier.get(field), part.get(field))
 
 
 def _parts_of(robot: Mapping[str, Any]) -> dict[tuple[Any, ...], tuple[str, Entry]]:
@@ -163,18 +169,18 @@ def _parts_of(robot: Mapping[str, Any]) -> dict[tuple[Any, ...], tuple[str, Entr
     return parts
 
 
-def _fields(
+def _field_changes(
     section: str, name: str, path: str, before: Any, after: Any, kind: str = "turn"
 ) -> Iterator[Change]:
     """Yields the difference of a value, or the differences of a mapping's keys."""
     if isinstance(before, Mapping) and isinstance(after, Mapping) and not is_pose(before):
         for key in dict.fromkeys((*before, *after)):
-            yield from _fields(section, name, f"{path}.{key}", before.get(key), after.get(key), kind)
-    elif not alike(before, after, path):
+            yield from _field_changes(section, name, f"{path}.{key}", before.get(key), after.get(key), kind)
+    elif not are_equal(before, after, path):
         yield Change(section, name, "changed", path, before, after, change_text(path, before, after, kind))
 
 
-def _order(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
+def _order_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
     """Yields tables of a file whose rows are the same in another order, which would mix up a controller's
     arrays."""
     old, new = before.get("order") or {}, after.get("order") or {}
@@ -188,20 +194,20 @@ def _order(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
                 yield Change("order", file, "changed", table, earlier, later, text)
 
 
-def _in_new_names(field: str, value: Any, names: Names) -> Any:
+def _with_new_names(field: str, value: Any, names: Names) -> Any:
     """Returns a value of the first robot with the second robot's names for the same things."""
-    if field in _JOINT_TABLES and isinstance(value, Mapping):
+    if field in _JOINT_COLLECTIONS and isinstance(value, Mapping):
         return {names.joints.get(key, key): entry for key, entry in value.items()}
-    if field in _JOINT_TABLES and isinstance(value, list):
+    if field in _JOINT_COLLECTIONS and isinstance(value, list):
         return [names.joints.get(name, name) for name in value]
     new_names = names.links if field in _LINK_FIELDS else names.joints if field in _JOINT_FIELDS else {}
     return new_names.get(value, value) if new_names and isinstance(value, str) else value
 
 
-def _presence(table: str, row: Entry) -> str:
+def _row_text(table: str, row: Entry) -> str:
     """Describes a row that was added or removed."""
     if table == "links":
-        return _mass(row)
+        return _mass_text(row)
     if table in ("joints", "loops"):
         ends = ("parent", "child") if table == "joints" else ("link_a", "link_b")
         return f"{row['type']}, between {row[ends[0]]} and {row[ends[1]]}"
@@ -216,5 +222,5 @@ def _presence(table: str, row: Entry) -> str:
     return f"on {row['link']}" if "link" in row else ""
 
 
-def _mass(row: Entry) -> str:
+def _mass_text(row: Entry) -> str:
     return f"{row['mass']:.6g} kg"

@@ -11,7 +11,7 @@ import subprocess
 from linkwright.pipeline.errors import OutputError
 from linkwright.stages.robot.system.programs import program
 
-_TIMEOUT = 60
+_MAX_SECONDS = 60
 """Largest time [s] that git may take."""
 
 _SETTINGS = (
@@ -38,9 +38,9 @@ _REMOVED_VARIABLES = (
 )
 
 
-def blob(name: str, hint: str) -> "subprocess.CompletedProcess[bytes]":
-    """Runs git to read the file `name` (REV:path); the status is not 0 if git has no such file. Raises
-    OutputError without git, or if it does not answer."""
+def read_blob(name: str, hint: str) -> "subprocess.CompletedProcess[bytes]":
+    """Runs git to read the file `name` (REV:path); its returncode is not 0 if there is no such file. Raises
+    OutputError if git is not installed or does not answer."""
     git = program("git")
     if git is None:
         raise OutputError("git is not installed", name, hint)
@@ -52,8 +52,8 @@ def blob(name: str, hint: str) -> "subprocess.CompletedProcess[bytes]":
             env=environ | _ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            timeout=_TIMEOUT,
+            timeout=_MAX_SECONDS,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise OutputError(f"git gave no answer in {_TIMEOUT} s", name, hint) from None
+        raise OutputError(f"git gave no answer in {_MAX_SECONDS} s", name, hint) from None

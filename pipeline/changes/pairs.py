@@ -35,21 +35,21 @@ class Names:
     """Names of joints, loops and dofs."""
 
 
-def paired(before: Sequence[Entry], after: Sequence[Entry], key: Key, names: Mapping[str, str]) -> Pairs:
+def pair_rows(before: Sequence[Entry], after: Sequence[Entry], key: Key, names: Mapping[str, str]) -> Pairs:
     """Pairs rows by `key`; rows of `before` are looked up by their names in the second robot."""
-    later = {_key_value(row, key, {}): row for row in after}
+    new_rows = {_key_value(row, key, {}): row for row in after}
     both, removed = [], []
     for row in before:
         name = _key_value(row, key, names)
-        if name in later:
-            both.append((row, later.pop(name)))
+        if name in new_rows:
+            both.append((row, new_rows.pop(name)))
         else:
             removed.append(row)
-    return Pairs(tuple(both), tuple(removed), tuple(later.values()))
+    return Pairs(tuple(both), tuple(removed), tuple(new_rows.values()))
 
 
-def name_of(row: Entry, key: Key) -> str:
-    """Returns the title of a row, made from its key fields."""
+def row_title(row: Entry, key: Key) -> str:
+    """Returns the title of a row: its key fields, joined."""
     if isinstance(key, str):
         return str(row[key])
     joint = " and " if key == ("link_a", "link_b") else " "
@@ -57,6 +57,7 @@ def name_of(row: Entry, key: Key) -> str:
 
 
 def _key_value(row: Entry, key: Key, names: Mapping[str, str]) -> Hashable:
+    """Returns the values of the key fields; links, and all keys of a single field, get their new names."""
     if isinstance(key, str):
         return names.get(row[key], row[key])
     return tuple(
@@ -64,12 +65,12 @@ def _key_value(row: Entry, key: Key, names: Mapping[str, str]) -> Hashable:
     )
 
 
-def renamed(before: Mapping[str, Any], after: Mapping[str, Any]) -> Names:
-    """Returns the new names of renamed links, joints and dofs. CAD identifies these: the two links share at
-    least half of their parts, the two joints are the same mate."""
-    links = _matched(before["links"], after["links"], _links_alike)
-    joints = _matched(before["joints"], after["joints"], _mates_alike)
-    loops = _matched(before["loops"], after["loops"], _mates_alike)
+def match_names(before: Mapping[str, Any], after: Mapping[str, Any]) -> Names:
+    """Returns the new names of renamed links, joints and dofs. Two links are the same if they share at least
+    half of their CAD parts; two joints, if they are the same mate."""
+    links = _match_renamed(before["links"], after["links"], _is_same_link)
+    joints = _match_renamed(before["joints"], after["joints"], _is_same_mate)
+    loops = _match_renamed(before["loops"], after["loops"], _is_same_mate)
     dofs: dict[str, str] = {}
     for table, names in (("joints", joints), ("loops", loops)):
         old, new = ({row["name"]: row for row in robot[table]} for robot in (before, after))
@@ -80,7 +81,7 @@ def renamed(before: Mapping[str, Any], after: Mapping[str, Any]) -> Names:
     return Names(links, joints | loops | dofs)
 
 
-def _matched(
+def _match_renamed(
     before: Sequence[Entry], after: Sequence[Entry], is_same: Callable[[Entry, Entry], bool]
 ) -> dict[str, str]:
     """Maps the names of renamed rows to their names in the other robot."""
@@ -97,14 +98,14 @@ def _matched(
     return new_names
 
 
-def _links_alike(first: Entry, second: Entry) -> bool:
+def _is_same_link(first: Entry, second: Entry) -> bool:
     parts, other_parts = (
         {tuple(part["path"]) for part in link["parts"] if part["path"]} for link in (first, second)
     )
     return bool(parts) and len(parts & other_parts) >= _MIN_COMMON_PARTS * max(len(parts), len(other_parts))
 
 
-def _mates_alike(first: Entry, second: Entry) -> bool:
+def _is_same_mate(first: Entry, second: Entry) -> bool:
     mate, other_mate = ((joint["cad"] or {}) for joint in (first, second))
     key = ("owner", "feature")
     return bool(mate.get("feature")) and [mate.get(k) for k in key] == [other_mate.get(k) for k in key]

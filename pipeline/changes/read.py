@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from linkwright.pipeline.changes.git import blob
+from linkwright.pipeline.changes.git import read_blob
 from linkwright.pipeline.errors import ConfigError, OutputError
 
 FILE = "robot.json"
@@ -18,7 +18,7 @@ _HINT = "give an output folder, its robot.json, or REV:path of git"
 
 
 @dataclass(frozen=True, slots=True)
-class Described:
+class SavedRobot:
     """A robot as its robot.json describes it."""
 
     place: str
@@ -29,7 +29,7 @@ class Described:
     """Whether the path is the folder of a build."""
 
 
-def described(name: str) -> Described:
+def read_robot(name: str) -> SavedRobot:
     """Reads the robot at a path, or at REV:path. Raises ConfigError for a wrong name; OutputError if there is
     no robot.json of a version that this program reads."""
     path = Path(name)
@@ -38,11 +38,11 @@ def described(name: str) -> Described:
         if not file.is_file():
             msg = f"the folder has no {FILE}"
             raise OutputError(msg, name, "a build leaves one; " + _HINT)
-        return Described(name, _read(_bytes(file), str(file)), path.is_dir())
+        return SavedRobot(name, _read(_bytes(file), str(file)), path.is_dir())
     revision, colon, inside = name.partition(":")
     if not colon or not revision:
         raise OutputError("there is no such file or folder", name, _HINT)
-    return Described(name, _read(_from_git(name, revision, inside), name))
+    return SavedRobot(name, _read(_from_git(name, revision, inside), name))
 
 
 def _bytes(file: Path) -> bytes:
@@ -62,7 +62,7 @@ def _from_git(place: str, revision: str, inside: str) -> bytes:
     for path in (inside, relative_path):
         for inner in (path, str(PurePosixPath(path) / FILE) if inside else FILE):
             name = inner if path != relative_path or inner.startswith(("./", "../")) else f"./{inner}"
-            process = blob(f"{revision}:{name}", _HINT)
+            process = read_blob(f"{revision}:{name}", _HINT)
             if process.returncode == 0:
                 return process.stdout
             complaint = complaint or process.stderr.decode(errors="replace").strip()

@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import Any
 
 from linkwright.pipeline.changes.change import Change
-from linkwright.pipeline.changes.read import FILE, Described
+from linkwright.pipeline.changes.read import FILE, SavedRobot
 from linkwright.pipeline.json_documents.diff import ChangeDocument, ComparedRobot, DiffDocument
 from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.stages.robot.text.plural import count
@@ -19,7 +19,7 @@ FOLDER_NOTE = f"only {FILE} of a folder is compared; `linkwright check` compares
 """Note that is shown if a folder is compared."""
 
 
-def as_text(before: Described, after: Described, changes: Sequence[Change]) -> str:
+def as_text(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) -> str:
     """Returns a text with a line for each difference, grouped by table of robot.json and by row."""
     lines = [
         f"{_place_and_size(before)} → {_place_and_size(after)}",
@@ -41,7 +41,7 @@ def as_text(before: Described, after: Described, changes: Sequence[Change]) -> s
     return "\n".join([*lines, count(len(changes), "difference")])
 
 
-def as_document(before: Described, after: Described, changes: Sequence[Change]) -> DiffDocument:
+def as_document(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) -> DiffDocument:
     """Returns the JSON document of the differences, with values as in robot.json."""
     documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
     return DiffDocument(
@@ -53,7 +53,7 @@ def as_document(before: Described, after: Described, changes: Sequence[Change]) 
     )
 
 
-def as_markdown(before: Described, after: Described, changes: Sequence[Change]) -> str:
+def as_markdown(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) -> str:
     """Returns Markdown that has a table for each table of robot.json with differences."""
     lines = [f"**{_cell(_place_and_size(before))} → {_cell(_place_and_size(after))}**", ""]
     lines += [f"{_cell(line)}\n" for line in source_changes(before.robot, after.robot)]
@@ -68,7 +68,7 @@ def as_markdown(before: Described, after: Described, changes: Sequence[Change]) 
     return "\n".join(lines).rstrip()
 
 
-def _place_and_size(described: Described) -> str:
+def _place_and_size(described: SavedRobot) -> str:
     """Returns the place of a robot with its name, its numbers of links and joints, and its mass."""
     robot = described.robot
     links, joints = count(len(robot["links"]), "link"), count(len(robot["joints"]), "joint")
@@ -76,7 +76,7 @@ def _place_and_size(described: Described) -> str:
     return printable(f"{described.place} ({robot['name']}: {links}, {joints}, {mass})")
 
 
-def _compared_robot(described: Described) -> ComparedRobot:
+def _compared_robot(described: SavedRobot) -> ComparedRobot:
     return ComparedRobot(described.place, described.robot["name"], described.robot.get("source"))
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 TOLERANCE = 1e-9
 """Tolerance of numbers, relative to the largest number of their vector, and of poses [m, rad]. Two formats of
-the same robot differ by as much."""
+the same robot differ by up to this."""
 
 MESH_TOLERANCES: Mapping[str, tuple[float, float]] = {
     "area": (1e-5, 0.0),
@@ -51,75 +51,75 @@ def is_numeric(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def alike(before: Any, after: Any, field: str = "") -> bool:
+def are_equal(before: Any, after: Any, field: str = "") -> bool:
     """Tells whether two values of a field are the same up to rounding."""
     if field in MESH_TOLERANCES and is_numeric(before) and is_numeric(after):
         share, absolute = MESH_TOLERANCES[field]
-        earlier, later = list(_flat(before)), list(_flat(after))
+        earlier, later = list(_numbers(before)), list(_numbers(after))
         largest = max(map(abs, (*earlier, *later)))
         difference = max(abs(a - b) for a, b in zip(earlier, later, strict=False))
         return len(earlier) == len(later) and bool(difference <= max(absolute, share * largest))
     if is_pose(before) and is_pose(after):
-        return max(moved(before, after)) <= TOLERANCE
+        return max(pose_difference(before, after)) <= TOLERANCE
     if is_numeric(before) and is_numeric(after):
-        earlier, later = list(_flat(before)), list(_flat(after))
+        earlier, later = list(_numbers(before)), list(_numbers(after))
         scale = max(map(abs, (*earlier, *later)), default=0.0)
         return len(earlier) == len(later) and all(
             abs(a - b) <= TOLERANCE * scale for a, b in zip(earlier, later, strict=True)
         )
     if isinstance(before, list) and isinstance(after, list):
-        return len(before) == len(after) and all(map(alike, before, after))
+        return len(before) == len(after) and all(map(are_equal, before, after))
     if isinstance(before, Mapping) and isinstance(after, Mapping):
-        return before.keys() == after.keys() and all(alike(before[key], after[key]) for key in before)
+        return before.keys() == after.keys() and all(are_equal(before[key], after[key]) for key in before)
     return bool(before == after)
 
 
-def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[float, float]:
+def pose_difference(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[float, float]:
     """Returns the difference of two poses: the distance [m] and the angle [rad]."""
     return math.dist(before["xyz"], after["xyz"]), _rotation_angle(before["quat"], after["quat"])
 
 
 def change_text(field: str, before: Any, after: Any, kind: str = "turn") -> str:
-    """Describes a field's change in words; `kind`: the kind of the dof with the field."""
-    name = _WORDS.get(field, field.replace("_", " "))
-    above, dot, dof = field.partition(".")
-    if dot and above in _VALUES:
-        name = f"{_VALUES[above]} of {dof}"
+    """Describes a field's change in words. `kind` of the dof, "turn" or "slide", decides the units."""
+    name = _FIELD_WORDS.get(field, field.replace("_", " "))
+    table, dot, dof = field.partition(".")
+    if dot and table in _ENTRY_WORDS:
+        name = f"{_ENTRY_WORDS[table]} of {dof}"
     if is_pose(before) and is_pose(after):
-        return f"{name} {_motion(*moved(before, after))}"
+        return f"{name} {_motion_text(*pose_difference(before, after))}"
     if field == "files" and isinstance(before, list) and isinstance(after, list):
-        return _files(before, after)
-    last = field.rpartition(".")[2]
-    unit = UNITS.get(last, "")
+        return _files_text(before, after)
+    quantity = field.rpartition(".")[2]
+    unit = UNITS.get(quantity, "")
     unit_text = f" {unit[kind == 'slide'] if isinstance(unit, tuple) else unit}".rstrip()
     if field == "com" and is_numeric(before) and is_numeric(after):
-        return f"{name} moved by {_length(math.dist(before, after))}"
-    if last == "axis" and is_numeric(before) and is_numeric(after):
-        return f"{name} turned by {_degrees(_axis_angle(before, after))}"
-    if last == "inertia" and is_numeric(before) and is_numeric(after):
-        earlier, later = list(_flat(before)), list(_flat(after))
+        return f"{name} moved by {_length_text(math.dist(before, after))}"
+    if quantity == "axis" and is_numeric(before) and is_numeric(after):
+        return f"{name} turned by {_angle_text(_axis_angle(before, after))}"
+    if quantity == "inertia" and is_numeric(before) and is_numeric(after):
+        earlier, later = list(_numbers(before)), list(_numbers(after))
         share = math.dist(earlier, later) / max(math.hypot(*earlier), math.hypot(*later))
         earlier, later = ([row[i] for i, row in enumerate(tensor)] for tensor in (before, after))
-        moments = f"{_text(earlier)} → {_text(later)}"
-        return f"{name} differs by {_percent(share)} (ixx, iyy, izz: {moments}{unit_text})"
-    if last == "limits" and isinstance(before, list) and isinstance(after, list):
+        moments = f"{_value_text(earlier)} → {_value_text(later)}"
+        return f"{name} differs by {_share_text(share)} (ixx, iyy, izz: {moments}{unit_text})"
+    if quantity == "limits" and isinstance(before, list) and isinstance(after, list):
         ends = zip(("lower", "upper"), before, after, strict=False)
         texts = [
-            f"{end} limit {_text(earlier)} → {_text(later)}{unit_text}"
+            f"{end} limit {_value_text(earlier)} → {_value_text(later)}{unit_text}"
             for end, earlier, later in ends
-            if not alike(earlier, later)
+            if not are_equal(earlier, later)
         ]
         return ", ".join(texts)
-    text = f"{name} {_text(before)} → {_text(after)}{unit_text}"
-    if last in ("mass", "total_mass") and before:
+    text = f"{name} {_value_text(before)} → {_value_text(after)}{unit_text}"
+    if quantity in ("mass", "total_mass") and before:
         text += f" ({100 * (after - before) / before:+.3g} %)"
     return text
 
 
-_VALUES = {"values": "value", "given": "given value"}
+_ENTRY_WORDS = {"values": "value", "given": "given value"}
 """Maps the fields of a keyframe that map dofs to values, to words for their entries."""
 
-_WORDS = {
+_FIELD_WORDS = {
     "com": "center of mass",
     "saved": "saved pose",
     "qpos0": "value at the start",
@@ -128,29 +128,29 @@ _WORDS = {
 """Maps fields to words for people."""
 
 
-def _files(before: Sequence[str], after: Sequence[str]) -> str:
+def _files_text(before: Sequence[str], after: Sequence[str]) -> str:
     """Describes in words the files that were added and removed."""
     groups = [("removed ", [file for file in before if file not in after])]
     groups.append(("added ", [file for file in after if file not in before]))
     return "files: " + "; ".join(word + ", ".join(names) for word, names in groups if names)
 
 
-def _motion(distance: float, angle: float) -> str:
-    parts = [f"moved by {_length(distance)}"] * (distance > TOLERANCE) + [f"turned by {_degrees(angle)}"] * (
-        angle > TOLERANCE
-    )
+def _motion_text(distance: float, angle: float) -> str:
+    parts = [f"moved by {_length_text(distance)}"] * (distance > TOLERANCE) + [
+        f"turned by {_angle_text(angle)}"
+    ] * (angle > TOLERANCE)
     return ", ".join(parts)
 
 
-def _length(metres: float) -> str:
+def _length_text(metres: float) -> str:
     return f"{1000 * metres:.3g} mm"
 
 
-def _degrees(angle: float) -> str:
+def _angle_text(angle: float) -> str:
     return f"{math.degrees(angle):.3g} deg"
 
 
-def _percent(share: float) -> str:
+def _share_text(share: float) -> str:
     return f"{100 * share:.3g} %"
 
 
@@ -174,15 +174,16 @@ def _axis_angle(first: Sequence[float], second: Sequence[float]) -> float:
     return math.atan2(math.hypot(b * f - c * e, c * d - a * f, a * e - b * d), a * d + b * e + c * f)
 
 
-def _flat(value: Any) -> Iterator[float]:
+def _numbers(value: Any) -> Iterator[float]:
+    """Yields the numbers of a nested list in order."""
     if isinstance(value, list):
         for entry in value:
-            yield from _flat(entry)
+            yield from _numbers(entry)
     else:
         yield value
 
 
-def _text(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if value is None:
         return "none"
     if isinstance(value, bool):
@@ -190,7 +191,7 @@ def _text(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return f"[{', '.join(map(_text, value))}]"
+        return f"[{', '.join(map(_value_text, value))}]"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_text(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {_value_text(entry)}" for key, entry in value.items()) + "}"
     return str(value)

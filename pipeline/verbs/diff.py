@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from linkwright.pipeline.changes import show
 from linkwright.pipeline.changes.compare import compare
-from linkwright.pipeline.changes.read import described
+from linkwright.pipeline.changes.read import read_robot
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.reference.exit_status import BUILT, UNMET
@@ -58,7 +58,7 @@ def run(arguments: Sequence[str]) -> int | CommandDocument:
         msg = f"expected two robots, got {len(places)}"
         raise ConfigError(msg, "diff", _USAGE)
 
-    before, after = map(described, places)
+    before, after = map(read_robot, places)
     changes = compare(before.robot, after.robot)
     if "--json" in options:
         return show.as_document(before, after, changes)

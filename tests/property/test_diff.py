@@ -10,8 +10,8 @@ import pytest
 from hypothesis import strategies as st
 
 from linkwright.pipeline.changes.compare import compare
-from linkwright.pipeline.changes.pairs import renamed
-from linkwright.pipeline.changes.read import Described
+from linkwright.pipeline.changes.pairs import match_names
+from linkwright.pipeline.changes.read import SavedRobot
 from linkwright.pipeline.changes.show import as_document, as_markdown, as_text
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
@@ -56,8 +56,8 @@ def differs_as_it_should(first, second):
     assert compare(before, copy.deepcopy(before)) == ()
     changes = compare(before, after)
     for shown in (as_text, as_document, as_markdown):
-        assert shown(Described("before", before), Described("after", after), changes)
-    names = renamed(before, after).links
+        assert shown(SavedRobot("before", before), SavedRobot("after", after), changes)
+    names = match_names(before, after).links
     old = {names.get(link["name"], link["name"]) for link in before["links"]}
     new = {link["name"] for link in after["links"]}
     links = [change for change in changes if change.section == "links"]
