@@ -45,45 +45,47 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
 
 
 def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> int:
-    whole = not {"-v", "--verbose"}.isdisjoint(arguments)
+    is_verbose = not {"-v", "--verbose"}.isdisjoint(arguments)
     if JSON in arguments and {"-h", *HELP}.isdisjoint(arguments):
         # Late: few commands need it, and `--help` does not.
         from linkwright.pipeline.terminal.json_output import print_document
 
-        return print_document(lambda: _result(arguments, build), _name(arguments), whole=whole)
+        return print_document(
+            lambda: _run_command(arguments, build), _command_name(arguments), whole=is_verbose
+        )
     try:
-        status: int = _result(arguments, build)
+        status: int = _run_command(arguments, build)
         return status
     except (Exception, KeyboardInterrupt) as error:
         # Late: few commands need it, and `--help` does not.
         from linkwright.pipeline.terminal.error_border import print_error
 
-        return print_error(error, whole=whole)
+        return print_error(error, whole=is_verbose)
 
 
-def _result(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> Any:
+def _run_command(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> Any:
     """Runs a command; returns the exit status, or with `--json` a CommandDocument."""
     if arguments and arguments[0] in VERBS:
-        return _verb(arguments[0], arguments[1:])
+        return _run_verb(arguments[0], arguments[1:])
     command = parse(arguments)
     if f"--{command.show}" in HELP:
-        print(_own_text(command.show))
+        print(_help_or_version(command.show))
         return 0
     if command.show:
         for text in _command_output(command):
             print(text, end="")
         return 0
-    return _sweep(command, build) if command.multirun else _single(command, build)
+    return _run_or_plan_sweep(command, build) if command.multirun else _run_build(command, build)
 
 
-def _name(arguments: Sequence[str]) -> str:
+def _command_name(arguments: Sequence[str]) -> str:
     """Returns the verb of a command line, `sweep` or `build`."""
     if arguments and arguments[0] in VERBS:
         return arguments[0]
     return "build" if {"-m", "--multirun"}.isdisjoint(arguments) else "sweep"
 
 
-def _own_text(option: str) -> str:
+def _help_or_version(option: str) -> str:
     # Late: few commands need it, and `--help` does not.
     from linkwright.pipeline import help_text
 
@@ -102,7 +104,7 @@ def _version() -> str:
         return "(not installed)"
 
 
-def _verb(name: str, arguments: Sequence[str]) -> Any:
+def _run_verb(name: str, arguments: Sequence[str]) -> Any:
     """Runs a verb, or shows its help; returns the exit status, or with `--json` a CommandDocument."""
     verb = importlib.import_module(VERBS[name])
     if "-h" in arguments or "--help" in arguments:
@@ -150,13 +152,13 @@ def _install_completion(shell: str) -> str:
         raise UsageError(f"{msg}\n  → {hint}") from None
 
 
-def _single(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
+def _run_build(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
     from linkwright.pipeline.run.single import single  # `--help` and the verbs need none of it
 
     return single(command, build)
 
 
-def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
+def _run_or_plan_sweep(command: Command, build: "Callable[[Plan], Report] | None") -> Any:
     from linkwright.pipeline.sweep.command import run_sweep, write_plan  # a single build needs none of it
 
     return write_plan(command) if command.plan else run_sweep(command, build)

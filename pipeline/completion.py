@@ -26,13 +26,13 @@ LAUNCHERS: Mapping[str, tuple[str, ...]] = {
 }
 """Package in `hydra_plugins` → the launchers in it."""
 
-MOTOR = "actuators.<glob>.motor"
+MOTOR_KEY = "actuators.<glob>.motor"
 """The key whose values are the names of motors."""
 
-PATHS = ("source.path", "output", "cache.dir", "robot")
+PATH_KEYS = ("source.path", "output", "cache.dir", "robot")
 """Keys whose values are files or folders."""
 
-WORDS_OF: Mapping[str, tuple[str, ...]] = {
+OPTION_WORDS: Mapping[str, tuple[str, ...]] = {
     "--cfg": ("job", "hydra", "all"),
     "--info": ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath"),
     "--install-completion": SHELLS,
@@ -40,14 +40,15 @@ WORDS_OF: Mapping[str, tuple[str, ...]] = {
 }
 """Option → the words that may follow it."""
 
-SHORT = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
+LONG_OPTIONS = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
+"""Short option → long option."""
 
 OPTIONS = (
     "--multirun", "--config-dir", "--cfg", "--package", "--resolve", "--info", "--install-completion",
     "--plan", "--offline", "--verbose", "--quiet", "--json", "--help", "--help-all", "--version",
 )  # fmt: skip
 
-OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
+VERB_OPTIONS: Mapping[str, tuple[str, ...]] = {
     "check": ("--level", "--json", "--sarif", "--junit", "--baseline", "--help"),
     "diff": ("--json", "--markdown"),
     "job": ("--shard", "--json", "--help"),
@@ -56,7 +57,7 @@ OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
     "skill": ("--path", "--help"),
     "snapshot": ("--check", "--config-dir", "--help"),
 }
-"""Verb about files or folders → its options."""
+"""Verb whose arguments are files or folders → its options."""
 
 BASH = """\
 _linkwright() {
@@ -95,7 +96,7 @@ complete -c linkwright -f -a '(__linkwright_complete)'
 
 SCRIPTS = {"bash": BASH, "zsh": ZSH, "fish": FISH}
 
-REMOVALS = {
+REMOVAL_SCRIPTS = {
     "bash": "complete -r linkwright; unset -f _linkwright\n",
     "zsh": "compdef -d linkwright; unfunction _linkwright\n",
     "fish": "complete -e -c linkwright; functions -e __linkwright_complete\n",
@@ -109,7 +110,7 @@ def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
         return ""
     if verb == "query":
         return "".join(f"{candidate}\n" for candidate in query(shell, environ))
-    return {"install": SCRIPTS, "uninstall": REMOVALS}.get(verb, {}).get(shell, "")
+    return {"install": SCRIPTS, "uninstall": REMOVAL_SCRIPTS}.get(verb, {}).get(shell, "")
 
 
 _HARMLESS = re.compile(r"[\w./,+:=@ -]*")
@@ -120,6 +121,7 @@ def query(shell: str, environ: Mapping[str, str]) -> list[str]:
     """Returns the candidates for the line in `COMP_LINE`, in the format of the shell."""
     line = environ.get("COMP_LINE", "")
     point = environ.get("COMP_POINT", "")
+    # The words as typed, with quotes and backslashes; the first is the command itself.
     raw_words = split(line[: int(point)] if point.isdigit() else line)
     if len(raw_words) < 2:
         return []
@@ -162,45 +164,45 @@ def split(line: str) -> list[str]:
     return words
 
 
-def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
-    """Returns the sorted completions of `word`, which follows the words `before`."""
-    option = SHORT.get(before[-1], before[-1]) if before else ""
+def candidates(word: str, context: Sequence[str], cwd: Path) -> list[str]:
+    """Returns the sorted completions of `word`, which follows the words `context` on the command line."""
+    option = LONG_OPTIONS.get(context[-1], context[-1]) if context else ""
     if option in ("--config-dir", "--plan"):
-        return [file for file in _files(word, here) if file.endswith("/") or option == "--plan"]
-    if before and before[0] in OPTIONS_OF and option != "--level":
-        paths = [file for file in _files(word, here) if before[0] != "snapshot" or file.endswith("/")]
-        return _starting(OPTIONS_OF[before[0]], word) if word.startswith("-") else paths
-    if option in WORDS_OF and (words := _starting(WORDS_OF[option], word)):
+        return [file for file in _files(word, cwd) if file.endswith("/") or option == "--plan"]
+    if context and context[0] in VERB_OPTIONS and option != "--level":
+        paths = [file for file in _files(word, cwd) if context[0] != "snapshot" or file.endswith("/")]
+        return _with_prefix(VERB_OPTIONS[context[0]], word) if word.startswith("-") else paths
+    if option in OPTION_WORDS and (words := _with_prefix(OPTION_WORDS[option], word)):
         return words
     if word.startswith("-"):
-        return _starting(OPTIONS, word)
+        return _with_prefix(OPTIONS, word)
     if option == "--package":
         return []
-    if before[:1] == ["explain"]:
-        return _explained(word)
+    if context[:1] == ["explain"]:
+        return _explainable_names(word)
     sign = word[: len(word) - len(word.lstrip("+~"))]
     word = word[len(sign) :]
-    folders = [here, *(here / directory for directory in _config_dirs(before))]
+    folders = [cwd, *(cwd / directory for directory in _config_dirs(context))]
     key, equal, value = word.partition("=")
     if equal:
         head, comma, last = value.rpartition(",")
         completions = [f"{key}={head}{comma}{option_value}" for option_value in _values(key, last, folders)]
     else:
-        completions = _starting((f"{group}=" for group in _groups(folders)), word)
+        completions = _with_prefix((f"{group}=" for group in _groups(folders)), word)
         completions += [] if sign == "~" else _keys(word)
-        completions += _starting(VERBS, word) if not before and not sign else []
+        completions += _with_prefix(VERBS, word) if not context and not sign else []
     return [sign + completion for completion in sorted(set(completions))]
 
 
-def _starting(words: Iterable[str], start: str) -> list[str]:
+def _with_prefix(words: Iterable[str], start: str) -> list[str]:
     return sorted(word for word in words if word.startswith(start))
 
 
-def _explained(word: str) -> list[str]:
+def _explainable_names(word: str) -> list[str]:
     # Imported late, since other completions do not need it.
     from linkwright.pipeline.verbs.explain import names
 
-    return _starting(sorted(set(names())), word)
+    return _with_prefix(sorted(set(names())), word)
 
 
 def _config_dirs(words: Sequence[str]) -> Iterator[str]:
@@ -225,10 +227,10 @@ def _values(key: str, start: str, folders: Sequence[Path]) -> list[str]:
         words += _launchers() if key == "hydra/launcher" else ()
     else:
         words = [word for entry in matching(key, entries()) for word in entry.words]
-        if any(entry.key == MOTOR for entry in matching(key, entries())):
+        if any(entry.key == MOTOR_KEY for entry in matching(key, entries())):
             words += library(folders)
-    paths = _files(start, folders[0]) if key in PATHS and (key != "robot" or "/" in start) else []
-    return [*_starting(words, start), *paths]
+    paths = _files(start, folders[0]) if key in PATH_KEYS and (key != "robot" or "/" in start) else []
+    return [*_with_prefix(words, start), *paths]
 
 
 def _launchers() -> list[str]:
@@ -249,10 +251,10 @@ def _options(group: Path) -> Iterator[str]:
             yield file.relative_to(group).with_suffix("").as_posix()
 
 
-def _files(start: str, here: Path) -> list[str]:
+def _files(start: str, cwd: Path) -> list[str]:
     """Returns files and folders whose path begins with `start`; folders end with a slash."""
     folder, slash, name = start.rpartition("/")
-    place = here / Path(f"{folder}{slash}").expanduser()
+    place = cwd / Path(f"{folder}{slash}").expanduser()
     try:
         names_in_folder = sorted(place.iterdir())
     except OSError:

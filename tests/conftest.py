@@ -94,7 +94,7 @@ def guests_at_home(monkeypatch):
     from tests.support.mjcfs import at_home
 
     monkeypatch.setattr("linkwright.stages.robot.system.guest.ask", at_home)
-    monkeypatch.setattr("linkwright.pipeline.checking.guest._limit", lambda *_: None)
+    monkeypatch.setattr("linkwright.pipeline.checking.guest._limit_process", lambda *_: None)
 
 
 @pytest.fixture

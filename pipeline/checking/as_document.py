@@ -1,4 +1,4 @@
-"""Makes the document of a verdict of checks, and reads such a document as a baseline."""
+"""Converts a verdict of checks to its JSON document, and reads such a document as a baseline."""
 
 import json
 from pathlib import Path
@@ -36,7 +36,7 @@ def as_document(verdict: Verdict) -> CheckDocument:
             passed=sum(check.passed for check in verdict.checks),
             warnings=len(warnings),
             failed=len(failed),
-            known_findings=verdict.seen_before,
+            known_findings=verdict.known_count,
         ),
         notes=tuple(verdict.notes),
         checks=tuple(_result(check, verdict, lines) for check in verdict.checks),
@@ -47,7 +47,7 @@ def baseline(file: str) -> frozenset[Issue]:
     """Returns the issues in a file that has the output of `linkwright check --json`; raises OutputError for
     any other file."""
     try:
-        table = json.loads(content(Path(file), MAX_BASELINE_BYTES))
+        document = json.loads(content(Path(file), MAX_BASELINE_BYTES))
     except FileTooLarge:
         msg = f"the baseline is longer than {MAX_BASELINE_BYTES >> 20} MB"
         raise OutputError(msg, file, _HINT) from None
@@ -55,18 +55,19 @@ def baseline(file: str) -> frozenset[Issue]:
         raise OutputError(f"the baseline cannot be read: {reason(error)}", file, _HINT) from None
     except (ValueError, RecursionError) as error:
         raise OutputError(f"the baseline is not JSON: {error}", file, _HINT) from None
-    form = (CheckDocument.FORMAT, VERSION)
-    if not isinstance(table, dict) or (table.get("format"), table.get("version")) != form:
-        raise OutputError(f"the baseline is not a {form[0]} of version {VERSION}", file, _HINT)
+    expected = (CheckDocument.FORMAT, VERSION)
+    if not isinstance(document, dict) or (document.get("format"), document.get("version")) != expected:
+        raise OutputError(f"the baseline is not a {expected[0]} of version {VERSION}", file, _HINT)
     try:
-        return frozenset(_issues(table))
+        return frozenset(_issues(document))
     except (KeyError, TypeError, AttributeError):
         raise OutputError("the baseline has checks that cannot be read", file, _HINT) from None
 
 
-def _issues(table: dict[str, Any]) -> list[Issue]:
+def _issues(document: dict[str, Any]) -> list[Issue]:
+    """Returns the issues of the failed checks in a document of `check --json`."""
     all_issues: list[Issue] = []
-    for check in table["checks"]:
+    for check in document["checks"]:
         if not check["passed"]:
             entries = check["findings"] or [{"element": "", "attribute": ""}]
             all_issues += [

@@ -15,7 +15,7 @@ BOUNDS = guest.Bounds(seconds=900, memory=8 << 30, reply=256 << 20)
 """Limits of any check. The guest sets lower limits for itself, from the sizes of the files."""
 
 _ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
-"""Environment without rendering and threaded linear algebra, whose start takes as long as all the rest."""
+"""Environment without rendering and threaded linear algebra: to start these takes as long as the checks."""
 
 _HINT = (
     "look for large counts or sizes, models in models, or a file that includes itself; a file without these "
@@ -24,7 +24,7 @@ _HINT = (
 
 
 def checked(place: str, level: str, targets: Sequence[str] = ()) -> Verdict:
-    """Returns the verdict for a folder or file; with `targets`, on whether these engines take it. Raises
+    """Returns the verdict on a folder or file, or with `targets` on whether these engines can load it. Raises
     OutputError if it cannot be read, or not within the limits."""
     request = json.dumps({"place": place, "level": level, "targets": list(targets)}).encode()
     try:

@@ -33,7 +33,7 @@ def as_junit(verdict: Verdict) -> bytes:
         if verdict.is_known(check):
             element(case, "skipped", type="pytest.xfail", message=f"known from the baseline: {message}")
         elif verdict.fails(check):
-            element(case, "failure", message=message).text = _text(verdict.news(check))
+            element(case, "failure", message=message).text = _text(verdict.with_new_findings(check))
         elif not check.passed:
             element(case, "system-out").text = f"WARNING {message}\n{_text(check)}"
     return to_bytes(suites)

@@ -11,8 +11,8 @@ from linkwright.stages.robot.system.regular_files import FileTooLarge, content
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
 """Pattern of an element in a finding: its tag, and its name."""
 
-_XML = (".urdf", ".xml", ".sdf", ".srdf")
-_PRIM = re.compile(r'^\s*(?:def|over)\b[^"\n]*"([^"\n]+)"', re.MULTILINE)
+_XML_ENDINGS = (".urdf", ".xml", ".sdf", ".srdf")
+_PRIM_START = re.compile(r'^\s*(?:def|over)\b[^"\n]*"([^"\n]+)"', re.MULTILINE)
 """The start of a prim in a USD text file."""
 
 _OTHER_TAGS = {"body": ("link",), "link": ("body",), "geom": ("collision", "visual")}
@@ -41,19 +41,21 @@ class ElementLines:
         )
         if node is None:
             return None
-        for inner in attribute.split()[:1]:
-            child = next((child for child in node.iterdescendants() if child.tag == inner), None)
+        # "limit lower" means the attribute `lower` of the child `limit`.
+        for child_tag in attribute.split()[:1]:
+            child = next((child for child in node.iterdescendants() if child.tag == child_tag), None)
             node = node if child is None else child
         return int(node.sourceline) if node.sourceline else None
 
     def _element_nodes(self, file: str) -> dict[tuple[str, str], Any]:
-        """Maps tag and name to the first such element of an XML file; the name "" maps to the first of a
-        tag."""
+        """Maps (tag, name) to the first such element of an XML file, (tag, "") to the first of the tag. An
+        element that names two links or bodies is found by both names."""
         if file not in self._read:
             nodes: dict[tuple[str, str], Any] = {}
-            root = self._root(file) if Path(file).suffix in _XML else None
+            root = self._root(file) if Path(file).suffix in _XML_ENDINGS else None
             for node in root.iter() if root is not None else ():
                 if isinstance(node.tag, str):
+                    # `exclude` and `disable_collisions` name a pair in place of a name of their own.
                     keys = ("link1", "link2") if node.get("link1") else ("body1", "body2")
                     pair = '" "'.join(node.get(key, "") for key in keys)
                     for name in (node.get("name") or pair, ""):
@@ -67,12 +69,13 @@ class ElementLines:
             data = self._data(file)
             text = "" if data is None else data.decode(errors="replace")
             lines: dict[tuple[str, str], Any] = {}
-            for prim in _PRIM.finditer(text):
+            for prim in _PRIM_START.finditer(text):
                 lines.setdefault(("def", prim[1]), text.count("\n", 0, prim.start(1)) + 1)
             self._read[file] = lines
         return self._read[file]
 
     def _root(self, file: str) -> Any:
+        """Returns the root element of an XML file; None if it cannot be read."""
         data = self._data(file)
         try:
             return None if data is None else parse(data, large=True)

@@ -1,4 +1,4 @@
-"""Checks a build's packages: `stages.export` writes them again from the files beside them."""
+"""Compares a build's packages with those that `stages.export` makes from the build's files."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,15 +20,15 @@ TRUTH = "robot.json"
 
 
 def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
-    """Checks that each package has what a build would write again, and that its copies equal the files."""
+    """Checks that each package is as a build would write it, and that its copies equal the build's files."""
     if truth.packages:
         files = _package_sources(folder, truth)
         for name in truth.packages:
-            checks = guarded(f"{name}: package", partial(_package, folder, truth, name, files))
+            checks = guarded(f"{name}: package", partial(_check_package, folder, truth, name, files))
             yield from (replace(check, code=CODES[name]) for check in checks)
 
 
-def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
+def _check_package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
     expected = package_again(truth, name, files)
     place = truth.packages[name].folder
     copies = {path: data for path, data in expected.items() if place and path.startswith(f"{place}/")}
@@ -43,8 +43,8 @@ def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> 
 def _package_sources(folder: Path, truth: Truth) -> dict[str, bytes]:
     """Returns the files that packages are made of, by path. Files that a build leaves only in a package are
     read there."""
-    inside = tuple(f"{name}/" for name in truth.packages)
-    paths = {path: folder / path for path in (TRUTH, *truth.files) if not path.startswith(inside)}
+    package_prefixes = tuple(f"{name}/" for name in truth.packages)
+    paths = {path: folder / path for path in (TRUTH, *truth.files) if not path.startswith(package_prefixes)}
     if "python" in truth.packages:
         copies = folder / truth.packages["python"].folder
         robot = truth.written.robot.name

@@ -34,8 +34,8 @@ _HINT = "give the output folder of a build, or a URDF or MJCF file"
 
 
 def checked(user_path: str, level: str, targets: Sequence[str] = ()) -> Verdict:
-    """Returns the verdict for a folder or file, as the user named it; with `targets`, on whether these
-    engines (`mjx`, `mujoco:3.11`) take it. Raises OutputError if it cannot be read."""
+    """Returns the verdict on a folder or file, or with `targets` on whether these engines (`mjx`,
+    `mujoco:3.11`) can load it. Raises OutputError if it cannot be read."""
     path = Path(user_path)
     if not path.exists():
         raise OutputError("there is no such file or folder", user_path, _HINT)
@@ -48,7 +48,7 @@ def checked(user_path: str, level: str, targets: Sequence[str] = ()) -> Verdict:
     if path.suffix not in (*ENDINGS, *BARE_ENDINGS):
         raise OutputError(f"its name does not end in any of {', '.join(ENDINGS)}", user_path, _HINT)
     truth = _truth(path.parent)
-    if truth is not None and path.name in _files_of(truth.written.robot.name):
+    if truth is not None and path.name in _file_names(truth.written.robot.name):
         checks = _build_checks(truth, path.parent, level)
         own_checks = tuple(check for check in checks if file_of(check)[0] == path.name)
         return Verdict(user_path, str(path.parent), truth.written.robot.name, level, own_checks)
@@ -58,6 +58,7 @@ def checked(user_path: str, level: str, targets: Sequence[str] = ()) -> Verdict:
 
 
 def _folder_verdict(folder: Path, user_path: str, level: str) -> Verdict:
+    """Checks a build's folder against its robot.json, or else the URDF and MJCF files in the folder."""
     truth = _truth(folder)
     if truth is not None:
         checks = _build_checks(truth, folder, level)
@@ -67,12 +68,12 @@ def _folder_verdict(folder: Path, user_path: str, level: str) -> Verdict:
                 msg, user_path, "build the robot without `until`, and check the folder of that build"
             )
         return Verdict(user_path, str(folder), truth.written.robot.name, level, checks)
-    if not _models(folder):
+    if not _model_files(folder):
         raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", user_path, _HINT)
     return _bare_verdict(folder, user_path, level)
 
 
-def _files_of(robot: str) -> tuple[str, ...]:
+def _file_names(robot: str) -> tuple[str, ...]:
     return (*(f"{robot}{ending}" for ending in ENDINGS), "scene.xml")
 
 
@@ -105,8 +106,8 @@ def _bare_verdict(path: Path, user_path: str, level: str) -> Verdict:
 
 
 def _target_verdict(path: Path, user_path: str, level: str, targets: Sequence[str]) -> Verdict:
-    """Checks whether engines take a file, or each model of a folder that they read. A folder's scene is
-    checked in place of the robot that it includes."""
+    """Checks whether engines can load a file, or those models of a folder whose format they read. A folder's
+    `scene.xml` is checked in place of the MJCF files that it includes."""
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     files = [file for file in files if file.suffix in TARGET_ENDINGS and file.is_file()]
     scenes = [file for file in files if file.name == "scene.xml"]
@@ -123,6 +124,6 @@ def _target_verdict(path: Path, user_path: str, level: str, targets: Sequence[st
     return Verdict(user_path, str(folder), "", level, tuple(checks))
 
 
-def _models(folder: Path) -> list[Path]:
+def _model_files(folder: Path) -> list[Path]:
     """Returns the URDF and MJCF files of a folder."""
     return sorted(path for path in folder.iterdir() if path.suffix in BARE_ENDINGS and path.is_file())

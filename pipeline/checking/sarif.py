@@ -16,7 +16,7 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 
 
 def as_sarif(verdict: Verdict) -> str:
-    """Returns a SARIF run: a rule for each code, and a result for each finding of a failing check."""
+    """Returns a SARIF log with a rule for each code, and a result for each finding of a failing check."""
     codes = list(dict.fromkeys(check.code for check in verdict.checks))
     lines = ElementLines(Path(verdict.folder))
     results = [
@@ -31,8 +31,8 @@ def as_sarif(verdict: Verdict) -> str:
         "rules": [_rule(code) for code in codes],
     }
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
-    table = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
-    return json.dumps(table, indent=2, ensure_ascii=False) + "\n"
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
+    return json.dumps(log, indent=2, ensure_ascii=False) + "\n"
 
 
 def _rule(code: str) -> dict[str, Any]:
@@ -64,13 +64,13 @@ def _result(
     if file:
         line = lines.of(file, finding.element, finding.attribute)
         uri = _uri(PurePath(verdict.folder) / file)
-        physical: dict[str, Any] = {"artifactLocation": {"uri": uri}}
+        location: dict[str, Any] = {"artifactLocation": {"uri": uri}}
         if line is not None:
-            physical["region"] = {"startLine": line}
-        result["locations"] = [{"physicalLocation": physical}]
+            location["region"] = {"startLine": line}
+        result["locations"] = [{"physicalLocation": location}]
     return result
 
 
 def _uri(path: PurePath) -> str:
-    """Returns the URI of a path: relative as it is, or absolute with its scheme."""
+    """Returns a path as a URI: a relative reference, or a `file:` URI for an absolute path."""
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -15,13 +15,15 @@ def as_text(verdict: Verdict) -> str:
     numbers of known findings and of passed checks."""
     lines = [printable(note) for note in verdict.notes]
     new = [check for check in verdict.checks if not check.passed and not verdict.is_known(check)]
-    for word, is_wrong in (("WARNING", False), ("FAILED", True)):
+    for word, is_failure in (("WARNING", False), ("FAILED", True)):
         for check in new:
-            if verdict.is_wrong(check) == is_wrong:
-                news = verdict.news(check)
-                lines += check_lines(word, news, MAX_FINDINGS, ": --json has all", figures(news))
+            if verdict.is_wrong(check) == is_failure:
+                new_findings = verdict.with_new_findings(check)
+                lines += check_lines(
+                    word, new_findings, MAX_FINDINGS, ": --json has all", figures(new_findings)
+                )
     if verdict.baseline is not None:
-        lines.append(f"{count(verdict.seen_before, 'finding')} known from the baseline")
+        lines.append(f"{count(verdict.known_count, 'finding')} known from the baseline")
     return "\n".join([*lines, tally(verdict.checks)])
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from linkwright.stages.robot.check import Check, Finding
 
 Issue = tuple[str, str, str, str]
-"""The identity of a finding: the check's code and name, the element and the attribute. Its figures may change
-between builds, and do not count."""
+"""The identity of a finding: the check's code and name, the element and the attribute. Figures do not count,
+since they may change between builds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,22 +30,22 @@ class Verdict:
 
     @property
     def passed(self) -> bool:
-        """Tells whether there are no failures except known issues."""
+        """Tells whether no check fails, apart from issues of the baseline."""
         return not any(self.fails(check) for check in self.checks)
 
     def fails(self, check: Check) -> bool:
-        """Tells whether a check does not pass for a reason that is not known."""
+        """Tells whether a check that must pass has an issue that the baseline lacks."""
         return self.is_wrong(check) and any(issue not in (self.baseline or ()) for issue in issues(check))
 
     def is_wrong(self, check: Check) -> bool:
-        """Tells whether a check must pass and does not; with `strict` a warning must pass, too."""
+        """Tells whether a check must pass and does not. At the level `strict`, warnings must pass too."""
         return not check.passed and (check.level == "error" or self.level == "strict")
 
     def is_known(self, check: Check) -> bool:
-        """Tells whether a check does not pass, and all its issues are known."""
+        """Tells whether a check does not pass, and all its issues are in the baseline."""
         return not check.passed and all(issue in (self.baseline or ()) for issue in issues(check))
 
-    def news(self, check: Check) -> Check:
+    def with_new_findings(self, check: Check) -> Check:
         """Returns a check with only its new findings."""
         pairs = zip(check.findings, issues(check), strict=False)
         return replace(
@@ -53,7 +53,7 @@ class Verdict:
         )
 
     @property
-    def seen_before(self) -> int:
+    def known_count(self) -> int:
         """The number of known findings."""
         return sum(issue in (self.baseline or ()) for check in self.checks for issue in issues(check))
 

@@ -9,10 +9,16 @@ from linkwright.stages.robot.check import Check, Finding
 
 
 def dump(verdict: Verdict) -> bytes:
-    """Returns a verdict as JSON, without its baseline, and without tables, which no verdict shows."""
-    head = {"place": verdict.place, "folder": verdict.folder, "robot": verdict.robot, "level": verdict.level}
+    """Returns a verdict as JSON, without its baseline, and without the tables of its checks: no output of
+    `check` has them."""
+    header = {
+        "place": verdict.place,
+        "folder": verdict.folder,
+        "robot": verdict.robot,
+        "level": verdict.level,
+    }
     checks = [{**asdict(check), "table": None} for check in verdict.checks]
-    return json.dumps({**head, "notes": verdict.notes, "checks": checks}, default=float).encode()
+    return json.dumps({**header, "notes": verdict.notes, "checks": checks}, default=float).encode()
 
 
 def load(data: bytes) -> Verdict:

@@ -267,7 +267,7 @@ def test_the_json_is_valid_and_a_baseline_of_its_own(folder):
     Path("known.json").write_text(text)
     again = replace(verdict(folder), baseline=baseline("known.json"))
     assert again.passed
-    assert again.seen_before == 4
+    assert again.known_count == 4
     with pytest.raises(OutputError, match="cannot be read"):
         baseline("nowhere.json")
 
