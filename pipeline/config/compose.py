@@ -23,15 +23,15 @@ from omegaconf.errors import OmegaConfBaseException
 from linkwright.pipeline.config import interpolated
 from linkwright.pipeline.config.choices import resolve_choices
 from linkwright.pipeline.config.files import hosts, trust
-from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, outside
-from linkwright.pipeline.config.hydra.errors import explained
-from linkwright.pipeline.config.hydra.files import guarded
-from linkwright.pipeline.config.hydra.loader import PRIMARY, aside, composed, swift, use_loader
+from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, folder_problems
+from linkwright.pipeline.config.hydra.errors import composition_problem
+from linkwright.pipeline.config.hydra.files import guarded_reading
+from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, set_aside, speed_up, use_loader
 from linkwright.pipeline.config.hydra.node import HydraNode, quote_text, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
-from linkwright.pipeline.config.messages import fitting
+from linkwright.pipeline.config.messages import with_example
 from linkwright.pipeline.config.optional import add_optional
-from linkwright.pipeline.config.overrides import Override, read, refused
+from linkwright.pipeline.config.overrides import Override, hydra_problem, read
 from linkwright.pipeline.config.partial import Draft
 from linkwright.pipeline.config.plain import plain
 from linkwright.pipeline.config.plan import Judge, Plan
@@ -43,10 +43,10 @@ from linkwright.pipeline.terminal import pasted
 
 DEFAULT_ROBOT = "robot=sample"
 
-_ROBOT = re.compile(r"[+~]*(robot|source)(=|$)")
+_ROBOT_CHOICE = re.compile(r"[+~]*(robot|source)(=|$)")
 
-_TYPED_ONLY = (*trust.SAFE_VALUES, OUTPUT)  # keys for which it counts whether they are typed
-HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
+_COMMAND_LINE_KEYS = (*trust.SAFE_VALUES, OUTPUT)  # files may set these only to some values
+HYDRA_ARGUMENTS: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
 """Arguments that give Hydra its current defaults: 1.3 needs `version_base`, and 1.4 warns about it."""
 
 
@@ -101,10 +101,10 @@ def session(
     """Sets up Hydra to compose from `conf`, `./robot/` of `cwd` and `config_dirs`, and yields a composer."""
     presets = Presets(config_dirs, cwd)
     with (
-        aside(),
-        initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA),
-        guarded(),
-        swift(),
+        set_aside(),
+        initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA_ARGUMENTS),
+        guarded_reading(),
+        speed_up(),
         catch_warnings(),
     ):
         # Hydra's advice to program authors, for example about a file with the name of a launcher.
@@ -140,17 +140,18 @@ class Composer:
         """Returns the overrides of a command line, and the problems of invalid arguments."""
         clean, leaks = self._secrets.typed(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
-        paths = [self._by_path(argument) for argument in clean]
+        paths = [self._with_robot_option(argument) for argument in clean]
         overrides, problems = read(paths, GROUPS, self.reading.values, multirun, self._presets.own_groups())
         overrides = [replace(override, typed=clean[paths.index(override.typed)]) for override in overrides]
-        problems += leaks + [problem for override in overrides if (problem := refused(override, multirun))]
-        overrides = [override for override in overrides if not refused(override, multirun)]
+        problems += leaks
+        problems += [problem for override in overrides if (problem := hydra_problem(override, multirun))]
+        overrides = [override for override in overrides if not hydra_problem(override, multirun)]
         problems += self._node.store_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
-    def _by_path(self, argument: str) -> str:
-        """Replaces paths of robot files in `robot=...` by options; returns other arguments unchanged."""
+    def _with_robot_option(self, argument: str) -> str:
+        """Replaces the paths in `robot=PATH` by their options; returns other arguments unchanged."""
         sign, _, value = argument.partition("robot=")
         if sign.strip("+") or not value or value[0] in "[{":
             return argument
@@ -165,25 +166,23 @@ class Composer:
         self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
     ) -> Composed:
         """Returns the plan of overrides in Hydra's form; `job`: number and label of a sweep's job.
-
         The sample is built if neither the command line nor a defaults list chooses a robot or a source.
-
-        Raises a ConfigError that lists the `earlier` problems of the command line and all others. An option
+        Raises a ConfigError that lists all problems; the `earlier` are those of the command line. An option
         that cannot be composed is replaced by the default of `build`, so that the rest is validated too.
         """
-        good, bad = self._presets.judged(overrides)
-        draft = Draft.of(earlier, bad)
+        valid, invalid = self._presets.judged(overrides)
+        draft = Draft.of(earlier, invalid)
         # An override that adds or deletes a key may fail; the rest is validated without it.
-        sure = [override for override in good if override.startswith("++") or override[0] not in "+~"]
+        safe = [override for override in valid if override.startswith("++") or override[0] not in "+~"]
         # Only a choice of an option can add a defaults list, and only files of the user choose a robot
         # there.
-        chooses_robot = any(map(_ROBOT.match, overrides))
-        open_yet = self._presets.own and any(not override.startswith("++") for override in good)
-        composition = self._whole(good, draft) if chooses_robot or open_yet else None
+        chooses_robot = any(map(_ROBOT_CHOICE.match, overrides))
+        lists_may_choose = self._presets.own and any(not override.startswith("++") for override in valid)
+        composition = self._compose(valid, draft) if chooses_robot or lists_may_choose else None
         if not chooses_robot and (composition is None or lacks_a_robot(composition[0])):
-            good, sure = [DEFAULT_ROBOT, *good], [DEFAULT_ROBOT, *sure]
-            composition = self._whole(good, draft)
-        config, composed_of = composition or self._whole(sure, draft) or self._around(sure, draft)
+            valid, safe = [DEFAULT_ROBOT, *valid], [DEFAULT_ROBOT, *safe]
+            composition = self._compose(valid, draft)
+        config, tree_files = composition or self._compose(safe, draft) or self._compose_rest(safe, draft)
         robot = config.hydra.runtime.choices.get("robot") or "bare"
         ambiguous = self._presets.problem("robot", robot)
         draft.problems += [ambiguous] if ambiguous else []
@@ -191,33 +190,33 @@ class Composer:
         computed: set[Place] = set()
         tree = plain(config, (), unresolved, computed)
         kind = str((tree.get("source") or {}).get("kind", "")) if isinstance(tree.get("source"), dict) else ""
-        unresolved = [fitting(problem, kind) for problem in unresolved]
-        draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
+        unresolved = [with_example(problem, kind) for problem in unresolved]
+        draft.problems += [problem for problem in unresolved if not draft.is_unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
-        resolved = resolve_choices(tree, self._presets.choices(robot, good, composed_of))
-        interpolated.decode(resolved, computed)
-        add_optional(resolved, self._presets.shared(composed_of))
+        resolved = resolve_choices(tree, self._presets.choices(robot, valid, tree_files))
+        interpolated.convert_texts(resolved, computed)
+        add_optional(resolved, self._presets.shared(tree_files))
         sweeping = self._node.sweep_settings(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
-        files, command = self._presets.own_files(composed_of), pasted.line(self._typed)
+        files, command = self._presets.own_files(tree_files), pasted.line(self._typed)
         draft.problems += trust.forbidden_targets(resolved, command)
         places = {problem.where for problem in draft.problems}
         overridden = trust.overridden_groups(map(content, files))
         draft.problems += [problem for problem in overridden if problem.where not in places]
         draft.problems += self._presets.chosen_twice(files)
-        draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
-        typed = self._node.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(good, _TYPED_ONLY)
+        draft.problems += hosts.host_problems(resolved, self.addresses, self._environ)
+        typed = self._node.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(valid, _COMMAND_LINE_KEYS)
         distrusted = trust.trust_problems(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
             # The judge of the rest imports plug-ins.
             resolved["plugins"] = []
         own_places = {OUTPUT: resolved.get(OUTPUT), SWEEP_DIR: sweeping.dir}
-        draft.problems += outside(own_places, config, typed, files, self._environ, command)
-        folders = self._presets.with_motors
-        plan = Plan.parse(resolved, draft.problems, unsure=draft.unsure, judge=self._judge, folders=folders)
+        draft.problems += folder_problems(own_places, config, typed, files, self._environ, command)
+        folders, judge = self._presets.with_motors, self._judge
+        plan = Plan.parse(resolved, draft.problems, is_unsure=draft.is_unsure, judge=judge, folders=folders)
         return Composed(plan, resolved, robot, sweeping, config, computed)
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
@@ -229,7 +228,7 @@ class Composer:
         hydra |= {"runtime": {}, "overrides": {}, "job": {**hydra["job"], "override_dirname": ""}}
         return self._secrets.problems({**tree, "hydra": hydra})
 
-    def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]] | None:
+    def _compose(self, overrides: Sequence[str], draft: Draft) -> tuple[DictConfig, Mapping[str, Any]] | None:
         """Composes a tree; returns it with its files by their paths, or None if composition fails."""
         stand_ins: dict[str, str] = {}
         own_folders = search_path_override(self._presets.own)
@@ -238,28 +237,28 @@ class Composer:
             try:
                 config, files = composed(arguments)
             except Exception as error:
-                draft.add(explained(error, self._presets))
+                draft.add(composition_problem(error, self._presets))
                 missing = error.missing_cfg_file if isinstance(error, MissingConfigException) else None
                 group = (missing or "").rpartition("/")[0]
                 if group not in GROUPS or group == "robot" or group in stand_ins:
                     return None
                 stand_ins[group] = f"{group}={stand_in(group)}"
-                draft.without.add(group)
+                draft.ignored_groups.add(group)
             else:
                 self._arguments = arguments
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(arguments):
                     draft.add(trust.forbidden_key("overrides"))
                 return config, files
 
-    def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]]:
-        """Composes as `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
+    def _compose_rest(self, overrides: Sequence[str], draft: Draft) -> tuple[DictConfig, Mapping[str, Any]]:
+        """Composes a tree without the robot's invalid defaults list, but with the keys of its file."""
         robots = [override.partition("=")[2] for override in overrides if override.startswith("robot=")]
         own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}
         own.pop("defaults", None)
-        draft.without |= {"robot", "source"}
+        draft.ignored_groups |= {"robot", "source"}
         remaining = [override for override in overrides if not override.startswith("robot=")]
         try:
-            composition = self._whole(["robot=bare", *remaining], draft) if robots else None
+            composition = self._compose(["robot=bare", *remaining], draft) if robots else None
             if composition is None:
                 raise refusal(draft.problems)
             config, files = composition
@@ -272,10 +271,11 @@ class Composer:
     def with_params(self, overrides: Sequence[Override], problems: Iterable[Diagnostic]) -> SweepRequest:
         """Adds the `hydra.sweeper.params` of files to a sweep's overrides; the command line wins."""
         own = [override for override in overrides if not override.for_hydra_itself]
-        good, bad = self._presets.judged([override.hydra for override in own if not override.swept])
-        draft = Draft.of((), bad)
+        valid, invalid = self._presets.judged([override.hydra for override in own if not override.swept])
+        draft = Draft.of((), invalid)
         # An interpolation may name a key that is swept.
-        composition = self._whole(good, draft) or self._whole([override.first for override in own], draft)
+        first_jobs = [override.first for override in own]
+        composition = self._compose(valid, draft) or self._compose(first_jobs, draft)
         settings = self._node.sweep_settings(composition[0], draft) if composition else trust.SweepSettings()
         typed_keys = {override.key for override in overrides}
         added = [override for override in self._params(settings.params)[0] if override.key not in typed_keys]
@@ -288,7 +288,7 @@ class Composer:
         for key, values in params.items():
             swept, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
             place = f"sweeper.params.{key}"
-            keys = self.reading.typed_keys((override.hydra for override in swept), _TYPED_ONLY)
+            keys = self.reading.typed_keys((override.hydra for override in swept), _COMMAND_LINE_KEYS)
             if keys or any(override.for_hydra_itself for override in swept):
                 problems.append(trust.forbidden_key(place, values))
             else:
@@ -297,7 +297,7 @@ class Composer:
         return added, problems
 
     def show(self, kind: str, overrides: Sequence[Override], problems: Iterable[Diagnostic]) -> None:
-        """Lets Hydra log how it composes a tree, even an invalid tree. `kind`: as for `--info`."""
+        """Lets Hydra print how it composes a tree, even an invalid tree. `kind`: a word of `--info`."""
         with suppress(ConfigError):
             self.compose([override.hydra for override in overrides], problems)
         hydra = GlobalHydra.instance().hydra
@@ -311,5 +311,5 @@ class Composer:
 
 
 def lacks_a_robot(config: DictConfig) -> bool:
-    """Tells whether neither the command line nor a defaults list chooses a robot or a source."""
+    """Tells whether a composed tree has no robot and no source."""
     return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")

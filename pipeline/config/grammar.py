@@ -7,17 +7,18 @@ import yaml
 
 _NAME_CHARACTERS = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
 _SPECIAL_CHARACTERS = re.compile(r"([()\[\]{}:=, \\])")
-_OTHER_TYPE = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
+_NON_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
+"""Words that the grammar reads as numbers, booleans or null."""
 
 
-class NoFormError(ValueError):
+class NotWritableError(ValueError):
     """The grammar cannot write a name."""
 
 
-def has_form(name: str) -> bool:
+def is_writable(name: str) -> bool:
     """Tells whether the grammar can write a name as a mapping's key."""
     plain = bool(_NAME_CHARACTERS.fullmatch(name)) and name == name.strip()
-    return plain and not _OTHER_TYPE.fullmatch(name)
+    return plain and not _NON_TEXT.fullmatch(name)
 
 
 def name(text: str) -> str:
@@ -27,7 +28,7 @@ def name(text: str) -> str:
 
 def converted(value: str) -> str:
     """Converts a mapping or a list from YAML or JSON, with quoted names, to the grammar; returns other values
-    unchanged. Raises NoFormError for a name that the grammar cannot write."""
+    unchanged. Raises NotWritableError for a name that the grammar cannot write."""
     if value.lstrip()[:1] not in ("{", "[") or not re.search(r"[\"']", value):
         return value
     # Imported where it is used: help and completion need no OmegaConf.
@@ -36,7 +37,7 @@ def converted(value: str) -> str:
     try:
         # OmegaConf's loader, as for files: it reads 1e-3 as a number, where YAML 1.1 needs 1.0e-3.
         return _write(yaml.load(value, Loader=get_yaml_loader()))
-    except NoFormError:
+    except NotWritableError:
         raise
     except (yaml.YAMLError, ValueError, RecursionError):
         return value
@@ -45,8 +46,8 @@ def converted(value: str) -> str:
 def _write(tree: Any) -> str:
     """Writes plain data in the grammar; raises ValueError for data that the grammar cannot write."""
     if isinstance(tree, dict):
-        if not all(isinstance(key, str) and has_form(key) for key in tree):
-            raise NoFormError
+        if not all(isinstance(key, str) and is_writable(key) for key in tree):
+            raise NotWritableError
         return "{" + ",".join(f"{name(key)}:{_write(value)}" for key, value in tree.items()) + "}"
     if isinstance(tree, list):
         return f"[{','.join(map(_write, tree))}]"
@@ -61,5 +62,6 @@ def _write(tree: Any) -> str:
 
 def text(plain: str) -> str:
     """Writes a text in quotes, with its interpolations. A backslash has a meaning only before a quote."""
+    # Backslashes before a quote, or before the closing quote, escape it unless they are doubled.
     doubled = re.sub(r"(\\+)(?='|$)", r"\1\1", plain)
     return "'" + doubled.replace("'", r"\'") + "'"

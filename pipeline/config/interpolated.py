@@ -10,11 +10,12 @@ from linkwright.pipeline.key_path import Place
 from linkwright.stages.fetch.section import SOURCES
 
 
-def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
+def convert_texts(tree: dict[str, Any], places: Iterable[Place]) -> None:
     """Converts the texts at these places of `tree` to numbers and booleans where the schema needs them."""
     source = tree.get("source")
     kind = SOURCES.get(str(source.get("kind"))) if isinstance(source, Mapping) else None
     for place in places:
+        # The source is a union of kinds: its type follows from the kind, not from the place.
         if place[0] == "source" and kind is not None:
             expected_type = annotation_at(kind, place[1:])
         else:

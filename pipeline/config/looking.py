@@ -43,7 +43,7 @@ def _as_yaml(composed: Composed, command: Command, environ: Mapping[str, str]) -
     tree = Secrets(environ).within(tree)
     if command.package in ("", "_global_"):
         return _as_text(tree)
-    part = _part(tree, command.package)
+    part = _node_at(tree, command.package)
     return f"# @package {command.package}\n{_as_text(part)}" if isinstance(part, dict | list) else f"{part}\n"
 
 
@@ -62,7 +62,9 @@ def _restore_interpolations(tree: Any, unresolved: Any, places: Iterable[Place])
                 node[place[-1]] = text[place[-1]]
 
 
-def _part(tree: Any, package: str) -> Any:
+def _node_at(tree: Any, package: str) -> Any:
+    """Returns the part of a tree at a path such as `mesh.tolerance`. Raises ConfigError for an unknown
+    path."""
     node = tree
     for name in package.split("."):
         if isinstance(node, list) and name.isdigit() and int(name) < len(node):
@@ -84,13 +86,13 @@ def information(command: Command, environ: Mapping[str, str] = os.environ) -> It
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
         for kind in kinds:
-            text = _captured(partial(composer.show, kind, overrides, problems))
+            text = _output_of(partial(composer.show, kind, overrides, problems))
             yield Secrets(environ).blanked(text.strip("\n") + "\n\n")
     if command.subject in ("config", "all"):
         yield configuration(command._replace(subject="job"), environ)
 
 
-def _captured(show: Callable[[], None]) -> str:
+def _output_of(show: Callable[[], None]) -> str:
     """Returns what Hydra logs while `show` runs."""
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level

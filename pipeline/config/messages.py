@@ -23,9 +23,9 @@ GLOBAL = "# @package _global_"
 EXPERIMENT = "experiment"
 """The usual group of files that change a robot and choose its options; they override everything else."""
 
-_SIGNED_POINT = re.compile(r"\s*(?:\+|(-))(\.\d+(?:[eE][+-]?\d+)?)\s*")
+_LEADING_POINT = re.compile(r"\s*(?:\+|(-))(\.\d+(?:[eE][+-]?\d+)?)\s*")
 
-WORDS = {
+REQUIREMENTS = {
     "bool_type": "must be true or false",
     "dict_type": "must be a mapping",
     "finite_number": "must be finite",
@@ -69,8 +69,8 @@ def how_to_give(key: str, kind: str = "") -> str:
     return f"set it in the robot's file, or on the command line: \"{key}='{example}'\""
 
 
-def fitting(problem: Diagnostic, kind: str) -> Diagnostic:
-    """Returns the problem; a missing value gets a hint with an example for the kind of source."""
+def with_example(problem: Diagnostic, kind: str) -> Diagnostic:
+    """Returns the problem. If a value is missing, its hint has an example for the kind of source."""
     missing = problem.code == "E-MISSING"
     return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem
 
@@ -108,7 +108,7 @@ class _Problem:
 
     @property
     def annotation(self) -> Any:
-        """The type that the schema gives the value."""
+        """The type that the schema requires of the value."""
         return annotation_at(self.owner, (self.name,))
 
 
@@ -116,22 +116,22 @@ def _diagnostic(details: ErrorDetails, root: type[Section]) -> Diagnostic:
     problem = _Problem.of(details, root)
     handler = _mapping_name if problem.name == "[key]" else _HANDLERS.get(problem.kind, _other)
     diagnostic = handler(problem)
-    hint = _number_as_text(problem.value) if diagnostic.code == "E-VALUE" else ""
+    hint = _point_hint(problem.value) if diagnostic.code == "E-VALUE" else ""
     return replace(diagnostic, hint=hint) if hint else diagnostic
 
 
-def _number_as_text(value: Any) -> str:
+def _point_hint(value: Any) -> str:
     """Returns a hint for a number that YAML reads as text, since it begins with a point; else ""."""
-    match = _SIGNED_POINT.fullmatch(value) if isinstance(value, str) else None
+    match = _LEADING_POINT.fullmatch(value) if isinstance(value, str) else None
     return f"write {match[1] or ''}0{match[2]}: in YAML {value} is text" if match else ""
 
 
 def _missing(problem: _Problem) -> Diagnostic:
     if problem.key == "source":
-        return _source(None)
+        return _source_problem(None)
     if isinstance(problem.name, int):
         text = f"must be a list of {len(get_args(problem.owner))} numbers"
-        return _value(text, problem.value, key_of(problem.place[:-1]))
+        return _value_problem(text, problem.value, key_of(problem.place[:-1]))
     meanings = problem.owner.meanings() if is_section(problem.owner) else {}
     hint = " ".join(meanings.get(problem.name, "").split())
     return Diagnostic("E-MISSING", "missing", problem.key, hint)
@@ -143,18 +143,20 @@ def _address(problem: _Problem) -> Diagnostic:
 
 
 def _too_long(problem: _Problem) -> Diagnostic:
-    return _value(f"must be a list of {problem.context['max_length']} numbers", problem.value, problem.key)
+    return _value_problem(
+        f"must be a list of {problem.context['max_length']} numbers", problem.value, problem.key
+    )
 
 
 def _not_a_list(problem: _Problem) -> Diagnostic:
     inside = get_args(problem.annotation)
     count = "" if ... in inside else f" of {len(inside)} numbers"
-    return _value(f"must be a list{count}", problem.value, problem.key)
+    return _value_problem(f"must be a list{count}", problem.value, problem.key)
 
 
 def _mapping_name(problem: _Problem) -> Diagnostic:
     hint = f'put the name in quotes: "{problem.value}": ...'
-    return _value("names must be text", problem.value, key_of(problem.place[:-2]), hint)
+    return _value_problem("names must be text", problem.value, key_of(problem.place[:-2]), hint)
 
 
 def _not_a_choice(problem: _Problem) -> Diagnostic:
@@ -169,7 +171,7 @@ def _not_text(problem: _Problem) -> Diagnostic:
         hint = f"""quote it: {problem.name}: "..." in YAML, "{problem.key}='...'" on the command line"""
         if isinstance(problem.name, int):
             hint = 'quote it: ["..."]'
-    return _value(WORDS[problem.kind], problem.value, problem.key, hint)
+    return _value_problem(REQUIREMENTS[problem.kind], problem.value, problem.key, hint)
 
 
 def _not_a_section(problem: _Problem) -> Diagnostic:
@@ -177,12 +179,12 @@ def _not_a_section(problem: _Problem) -> Diagnostic:
     if value is None:
         return Diagnostic("E-VALUE", "has no value", problem.key, "give it keys below, or remove the line")
     if is_section(section) and isinstance(value, bool | int | float):
-        keys = [name for name in names(section) if _takes(section, name, value)]
+        keys = [name for name in names(section) if _may_have(section, name, value)]
         hint = f"its keys are set by name, as {problem.key}.{keys[0]}={shown(value)}" if keys else ""
-    return _value(WORDS[problem.kind], value, problem.key, hint)
+    return _value_problem(REQUIREMENTS[problem.kind], value, problem.key, hint)
 
 
-def _takes(section: type[Section], name: str, value: Any) -> bool:
+def _may_have(section: type[Section], name: str, value: Any) -> bool:
     """Tells whether a key of a section may have a value."""
     try:
         section.model_validate({name: value})
@@ -192,15 +194,15 @@ def _takes(section: type[Section], name: str, value: Any) -> bool:
 
 
 def _other(problem: _Problem) -> Diagnostic:
-    text = WORDS.get(problem.kind) or problem.message.replace("Input should be", "must be")
-    return _value(text, problem.value, problem.key)
+    text = REQUIREMENTS.get(problem.kind) or problem.message.replace("Input should be", "must be")
+    return _value_problem(text, problem.value, problem.key)
 
 
-def _value(message: str, value: Any, key: str, hint: str = "") -> Diagnostic:
+def _value_problem(message: str, value: Any, key: str, hint: str = "") -> Diagnostic:
     return Diagnostic("E-VALUE", f"{message} (given {shown(value)})", key, hint)
 
 
-def _later(problem: _Problem) -> Diagnostic:
+def _unsupported(problem: _Problem) -> Diagnostic:
     value, annotation = problem.value, problem.annotation
     field = field_at(problem.owner, problem.name)
     allowed = options(annotation)
@@ -222,10 +224,10 @@ def _unknown(problem: _Problem) -> Diagnostic:
     place, value, owner, root = problem.place, problem.value, problem.owner, problem.root
     name, key = str(problem.name), problem.key
     value_text = f"(given {shown(value)})"
-    if key in _MOVED:
-        return Diagnostic("E-KEY", f"unknown key {value_text}", key, _MOVED[key])
-    if _SECRET.search(name):
-        return Diagnostic("E-KEY", "a key of Onshape is never written in YAML", key, _CREDENTIALS)
+    if key in _MOVED_KEYS:
+        return Diagnostic("E-KEY", f"unknown key {value_text}", key, _MOVED_KEYS[key])
+    if _CREDENTIAL_NAME.search(name):
+        return Diagnostic("E-KEY", "a key of Onshape is never written in YAML", key, _CREDENTIAL_HINT)
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
         return Diagnostic("E-LATER", f"not supported yet {value_text}", key, hint)
@@ -239,24 +241,26 @@ def _unknown(problem: _Problem) -> Diagnostic:
         hint = f"an experiment is a file ./{key}/NAME.yaml, or in a folder that --config-dir names"
         return Diagnostic("E-KEY", f"there is no folder {key} here {value_text}", key, hint)
     if owner in SOURCES.values():
-        own_kind = next(kind for kind, keys in SOURCES.items() if keys is owner)
+        source_kind = next(kind for kind, keys in SOURCES.items() if keys is owner)
         kinds = [kind for kind, keys in SOURCES.items() if name in names(keys)]
         if kinds:
-            text = f"source={own_kind} has no such key {value_text}"
+            text = f"source={source_kind} has no such key {value_text}"
             return Diagnostic("E-KEY", text, key, f"it belongs to source={kinds[0]}")
-    hint = _dotted(place, value, root) or _instead(name, place, owner, root)
+    hint = _dot_hint(place, value, root) or _similar_keys_hint(name, place, owner, root)
     return Diagnostic("E-KEY", f"unknown key {value_text}", key, hint)
 
 
-_SECRET = re.compile(r"(access|secret|api)_?key|token|password", re.IGNORECASE)
-_CREDENTIALS = "remove it there, and set ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY in the environment or .env"
-_MOVED = {
+_CREDENTIAL_NAME = re.compile(r"(access|secret|api)_?key|token|password", re.IGNORECASE)
+_CREDENTIAL_HINT = (
+    "remove it there, and set ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY in the environment or .env"
+)
+_MOVED_KEYS = {
     "mesh.target": "it is the group target: target=mjx, or in a file `target: {mjx: {}}`; MuJoCo needs none"
 }
 """Key of an earlier version → what to write in its place."""
 
 
-def _dotted(place: Place, value: Any, root: type[Section]) -> str:
+def _dot_hint(place: Place, value: Any, root: type[Section]) -> str:
     """Returns a hint for a name that was split at its dot, as in joints.joint_0.0.damping; else ""."""
     parent = place[:-2]
     if not (isinstance(value, dict) and parent and get_origin(annotation_at(root, parent)) is dict):
@@ -264,7 +268,7 @@ def _dotted(place: Place, value: Any, root: type[Section]) -> str:
     return f'a name with a dot is quoted: {key_of(parent)}["{place[-2]}.{place[-1]}"]'
 
 
-def _instead(name: str, place: Place, owner: Any, root: type[Section]) -> str:
+def _similar_keys_hint(name: str, place: Place, owner: Any, root: type[Section]) -> str:
     """Returns a hint for an unknown key: similar keys of its section, else keys of the same name elsewhere,
     else all keys of its section."""
     siblings = names(owner)
@@ -282,7 +286,7 @@ def _instead(name: str, place: Place, owner: Any, root: type[Section]) -> str:
     return f"keys there: {', '.join(siblings)}" if siblings else "there are no keys there yet"
 
 
-def _source(source: Any) -> Diagnostic:
+def _source_problem(source: Any) -> Diagnostic:
     choose = f"choose one: {', '.join(f'source={kind}' for kind in SOURCES)}"
     if not source:
         return Diagnostic("E-MISSING", "the robot has no source", "source", choose)
@@ -295,7 +299,7 @@ def _source(source: Any) -> Diagnostic:
 
 
 _HANDLERS: dict[str, Callable[[_Problem], Diagnostic]] = {
-    NOT_YET: _later,
+    NOT_YET: _unsupported,
     ADDRESS: _address,
     "extra_forbidden": _unknown,
     "literal_error": _not_a_choice,
@@ -304,7 +308,7 @@ _HANDLERS: dict[str, Callable[[_Problem], Diagnostic]] = {
     "string_type": _not_text,
     "too_long": _too_long,
     "tuple_type": _not_a_list,
-    "union_tag_invalid": lambda problem: _source(problem.value),
-    "union_tag_not_found": lambda problem: _source(problem.value),
+    "union_tag_invalid": lambda problem: _source_problem(problem.value),
+    "union_tag_not_found": lambda problem: _source_problem(problem.value),
 }
 """Error type, pydantic's or ours → the diagnostic."""

@@ -17,7 +17,7 @@ from linkwright.stages.robot.section import Section
 
 
 class _Library(Section):
-    """The section with the motors, as in a plan, so that problems have keys."""
+    """A section with motors at the same key as in a plan, so that problems name that key."""
 
     motors: dict[str, MotorSection]
 
@@ -39,12 +39,12 @@ def with_motors(
             continue
         files = library(own_folders) if files is None else files
         if name not in files:
-            problems.append(_unknown(key, name, sorted({*files, *(tree_motors or ())}), own_folders))
+            problems.append(_unknown_motor(key, name, sorted({*files, *(tree_motors or ())}), own_folders))
             continue
-        motors[name], file_problems = _content(files[name])
+        motors[name], file_problems = _read_motor(files[name])
         problems += file_problems
-    invalid = {name for name, content in motors.items() if content is None}
-    motors = {name: content for name, content in motors.items() if name not in invalid}
+    invalid_names = {name for name, content in motors.items() if content is None}
+    motors = {name: content for name, content in motors.items() if name not in invalid_names}
     return ({**tree, "motors": motors} if motors else dict(tree)), problems
 
 
@@ -55,14 +55,14 @@ def _named_motors(actuators: Any) -> Iterator[tuple[str, str]]:
             yield f"actuators.{glob}.motor", entry["motor"]
 
 
-def _unknown(key: str, name: str, motors: Sequence[str], own_folders: Sequence[Path]) -> Diagnostic:
+def _unknown_motor(key: str, name: str, motors: Sequence[str], own_folders: Sequence[Path]) -> Diagnostic:
     suggestion = nearest(name, motors)
     places = " and ".join(str(folder / FOLDER) for folder in own_folders) or f"./{FOLDER}/ beside ./robot/"
     hint = f"{suggestion} motors: {', '.join(motors)}; motors of your own: {places}".strip()
     return Diagnostic("E-MOTOR", f"there is no motor {name}", key, hint)
 
 
-def _content(file: Path) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
+def _read_motor(file: Path) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
     """Reads a motor's file; returns its content, None if invalid, and its problems, which name the file."""
     try:
         content = yaml_file.read(file)

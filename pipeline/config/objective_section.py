@@ -10,9 +10,9 @@ from linkwright.pipeline.config.messages import nearest
 from linkwright.stages.robot.section import Section, Text, example, invalid
 
 FIGURES = ("mass", "reach", "torque_margin", "checks_failed")
-"""Figures with a name of their own; other figures are paths in robot.json."""
+"""The named figures; other figures are paths in robot.json."""
 
-_FIGURE = re.compile(rf"({'|'.join(FIGURES)}|reach\.[^.]+|[^.]+(\.[^.]+)+)")
+_FIGURE_PATTERN = re.compile(rf"({'|'.join(FIGURES)}|reach\.[^.]+|[^.]+(\.[^.]+)+)")
 
 
 def _check_number(value: float) -> float:
@@ -22,7 +22,7 @@ def _check_number(value: float) -> float:
 
 
 def _check_figure(name: str) -> str:
-    if not _FIGURE.fullmatch(name):
+    if not _FIGURE_PATTERN.fullmatch(name):
         suggestion = nearest(name, FIGURES)
         text = f"must be one of {', '.join(FIGURES)}, reach.FRAME, or a path in robot.json such as"
         raise invalid(f"{text} links.forearm.mass{f'; {suggestion}' if suggestion else ''}")
@@ -31,16 +31,17 @@ def _check_figure(name: str) -> str:
 
 Figure = Annotated[Text, AfterValidator(_check_figure)]
 
-_INFINITE = {".inf": math.inf, "+.inf": math.inf, "-.inf": -math.inf}
+_INFINITIES = {".inf": math.inf, "+.inf": math.inf, "-.inf": -math.inf}
 """YAML's words for infinity, which the command line reads as texts."""
 
 
-def _as_list(value: Any) -> Any:
+def _as_numbers(value: Any) -> Any:
+    """Returns a list with the value, or with its entries; texts for infinity become numbers."""
     words = value if isinstance(value, list | tuple) else [value]
-    return [_INFINITE.get(word, word) if isinstance(word, str) else word for word in words]
+    return [_INFINITIES.get(word, word) if isinstance(word, str) else word for word in words]
 
 
-Failed = Annotated[float, Strict(), Field(allow_inf_nan=True), AfterValidator(_check_number)]
+FailureValue = Annotated[float, Strict(), Field(allow_inf_nan=True), AfterValidator(_check_number)]
 """A number, which may be infinite."""
 
 
@@ -66,8 +67,8 @@ class ObjectiveSection(Section):
     """Further arguments of the function, after the robot."""
 
     failed: Annotated[
-        tuple[Failed, ...],
-        BeforeValidator(_as_list, json_schema_input_type=float | tuple[float, ...]),
+        tuple[FailureValue, ...],
+        BeforeValidator(_as_numbers, json_schema_input_type=float | tuple[float, ...]),
         example([1e6]),
     ] = ()
     """The objective of a robot that cannot be built: a number (also `.inf` or `-.inf`), or a number for each
@@ -79,7 +80,7 @@ class ObjectiveSection(Section):
         return self.figures if self.figure is None else (self.figure,)
 
     @model_validator(mode="after")
-    def _one_kind(self) -> Self:
+    def _check_kind(self) -> Self:
         if sum((self.figure is not None, bool(self.figures), self.target is not None)) != 1:
             raise invalid("must have one of figure, figures and _target_")
         if self.args and self.target is None:

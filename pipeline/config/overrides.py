@@ -29,7 +29,7 @@ ALLOWED_HYDRA_KEYS = re.compile(
 )
 """Keys of Hydra that may be overridden in a sweep."""
 
-Values = Callable[[str], list[str]]
+ValueParser = Callable[[str], list[str]]
 """Hydra's parser: an override → its values as text, several in a sweep.
 
 Raises ValueError, with the problem and perhaps a hint, if the override cannot be read.
@@ -51,6 +51,7 @@ class Override:
 
     @property
     def swept(self) -> bool:
+        """Tells whether the override has several values."""
         return len(self.values) > 1
 
     @property
@@ -65,9 +66,8 @@ class Override:
         return self.texts[0] if self.swept else self.hydra
 
     def text_in(self, job: Sequence[str]) -> str | None:
-        """Returns the override of a job that sets this key, or None. Keys with a name that is no word,
-        such as `joints.*.damping` and `joints.*.friction`, are one key for Hydra: their values tell them
-        apart."""
+        """Returns the override of a job that sets this key, or None. For Hydra, `joints.*.damping` and
+        `joints.*.friction` are the same key `joints`: only their values differ."""
         sign = self.hydra.partition("=")[0]
         texts = [text for text in job if text.partition("=")[0] == sign]
         if len(texts) > 1:
@@ -76,19 +76,21 @@ class Override:
 
     @property
     def for_hydra_itself(self) -> bool:
+        """Tells whether the override sets Hydra's own configuration."""
         return self.key == "hydra" or self.key.startswith(("hydra.", "hydra/"))
 
 
 def read(
     arguments: Sequence[str],
     groups: Collection[str],
-    values: Values,
+    values: ValueParser,
     multirun: bool,
-    added: Collection[str] = (),
+    optional_groups: Collection[str] = (),
 ) -> tuple[list[Override], list[Diagnostic]]:
     """Reads the arguments of a command line; returns their overrides, and the problems of invalid arguments.
 
-    `groups`: those in the defaults list; `added`: groups in no defaults list, for which Hydra needs a `+`.
+    `groups`: those in the defaults list; `optional_groups`: groups in no defaults list, for which Hydra needs
+    a `+`.
     """
     overrides: list[Override] = []
     problems: list[Diagnostic] = []
@@ -97,13 +99,15 @@ def read(
             hint = suggested.command(arguments, multirun)
             problems.append(Diagnostic(CODE, suggested.torn(argument), " ".join(words), hint))
         try:
-            plus = argument.partition("=")[0] in added
-            override = _read(f"+{argument}" if plus else argument, arguments, {*groups, *added}, values)
+            needs_plus = argument.partition("=")[0] in optional_groups
+            override = _read(
+                f"+{argument}" if needs_plus else argument, arguments, {*groups, *optional_groups}, values
+            )
             override = replace(override, typed=words[0])
             if override.swept and not multirun:
-                raise _RefusedError("several values, but no sweep", _one_value(argument, override))
-        except _RefusedError as refused:
-            message, hint = refused.args
+                raise _RefusedError("several values, but no sweep", _several_values_hint(argument, override))
+        except _RefusedError as error:
+            message, hint = error.args
             if suggested.has_url(argument) and message != suggested.NO_KEY:
                 message, hint = _QUOTE_TWICE, suggested.paste(arguments, multirun)
             problems.append(Diagnostic(CODE, message, argument, hint))
@@ -112,7 +116,7 @@ def read(
     return overrides, problems
 
 
-def refused(override: Override, multirun: bool) -> Diagnostic | None:
+def hydra_problem(override: Override, multirun: bool) -> Diagnostic | None:
     """Returns the problem of an override that sets a key of Hydra, or None."""
     if not override.for_hydra_itself:
         return None
@@ -128,7 +132,7 @@ def refused(override: Override, multirun: bool) -> Diagnostic | None:
 
 
 class _RefusedError(Exception):
-    """(message, hint) about an argument."""
+    """An argument that is not accepted; `args`: message and hint."""
 
 
 _NOT_WRITABLE = "this key cannot be written on the command line"
@@ -136,7 +140,7 @@ _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
 @dataclass(frozen=True, slots=True)
-class _Typed:
+class _Argument:
     """An argument, split into its parts. `sign`: `+`, `++`, `~` or ""; `equal`: `=` or ""."""
 
     sign: str
@@ -159,11 +163,11 @@ class _Typed:
         return not is_url and any(self.names[:1]) and (bool(self.equal) or self.sign == "~")
 
     @property
-    def of_hydra(self) -> bool:
+    def is_for_hydra(self) -> bool:
         return self.key.startswith(("hydra.", "hydra/"))
 
 
-def _read(argument: str, arguments: Sequence[str], groups: Collection[str], values: Values) -> Override:
+def _read(argument: str, arguments: Sequence[str], groups: Collection[str], values: ValueParser) -> Override:
     typed = _with_converted_value(_split(argument))
     if not typed.is_assignment:
         raise _RefusedError(*suggested.assignment(typed.text, arguments, VERBS))
@@ -172,47 +176,47 @@ def _read(argument: str, arguments: Sequence[str], groups: Collection[str], valu
     if "/" in typed.names[0] and not typed.key.startswith("hydra/"):
         raise _RefusedError("there is no such group", f"groups: {', '.join(sorted(groups))}")
     if _is_group(typed.key, typed.value, groups):
-        return _option(typed, values)
-    if typed.of_hydra:
-        return Override(typed.text, typed.key, _parsed(typed.text, typed.text, values), typed.text)
+        return _read_option(typed, values)
+    if typed.is_for_hydra:
+        return Override(typed.text, typed.key, _parsed_values(typed.text, typed.text, values), typed.text)
     if _PATH.fullmatch(typed.key):
-        return _plain_key(typed, values)
-    return _key_with_names(typed, values)
+        return _read_plain_key(typed, values)
+    return _read_key_with_names(typed, values)
 
 
-def _with_converted_value(typed: _Typed) -> _Typed:
+def _with_converted_value(typed: _Argument) -> _Argument:
     """Returns the argument with its value in Hydra's grammar."""
     try:
         return replace(typed, value=grammar.converted(typed.value))
-    except grammar.NoFormError:
+    except grammar.NotWritableError:
         raise _RefusedError(_NOT_WRITABLE, f"write it in YAML: {typed.key}: {typed.value}") from None
 
 
-def _option(typed: _Typed, values: Values) -> Override:
+def _read_option(typed: _Argument, values: ValueParser) -> Override:
     """Returns the override that chooses options of a group; a glob chooses the options that it matches."""
-    options = _parsed(typed.text, typed.text, values)
+    options = _parsed_values(typed.text, typed.text, values)
     is_glob = re.match(r"\s*glob\(", typed.value)
     hydra = f"{typed.sign}{typed.key}={','.join(options)}" if is_glob else typed.text
     return Override(typed.text, typed.key, options, hydra)
 
 
-def _plain_key(typed: _Typed, values: Values) -> Override:
+def _read_plain_key(typed: _Argument, values: ValueParser) -> Override:
     hydra = f"{typed.sign or '++'}{typed.key}={typed.value}"
-    return Override(typed.text, typed.key, _parsed(typed.text, hydra, values), hydra)
+    return Override(typed.text, typed.key, _parsed_values(typed.text, hydra, values), hydra)
 
 
-def _key_with_names(typed: _Typed, values: Values) -> Override:
+def _read_key_with_names(typed: _Argument, values: ValueParser) -> Override:
     """Returns the override of a key with a part that is not a word, such as `joints.*.damping`: it sets the
     first part to a mapping."""
     head, *path = _segments(typed.key)
-    parsed = _parsed(typed.text, f"++x={typed.value}", values)
-    if not _PATH.fullmatch(head) or not all(map(grammar.has_form, path)):
-        raise _RefusedError(_NOT_WRITABLE, f"write it in YAML: {_yaml(typed.key, typed.value)}")
-    hydra = f"++{head}={','.join(_nested(path, value) for value in parsed)}"
+    parsed = _parsed_values(typed.text, f"++x={typed.value}", values)
+    if not _PATH.fullmatch(head) or not all(map(grammar.is_writable, path)):
+        raise _RefusedError(_NOT_WRITABLE, f"write it in YAML: {_yaml_line(typed.key, typed.value)}")
+    hydra = f"++{head}={','.join(_nested_mapping(path, value) for value in parsed)}"
     return Override(typed.text, typed.key, tuple(values(hydra)), hydra)
 
 
-def _split(argument: str) -> _Typed:
+def _split(argument: str) -> _Argument:
     match = re.match(r"(\+\+|\+|~)?", argument)
     sign = match.group() if match else ""
     rest = argument[len(sign) :]
@@ -221,7 +225,7 @@ def _split(argument: str) -> _Typed:
     end = quoted.end() if quoted else 0
     if rest[end : end + 1] != "=":
         end = rest.find("=") if "=" in rest else len(rest)
-    return _Typed(sign, rest[:end].strip(), rest[end : end + 1], rest[end + 1 :])
+    return _Argument(sign, rest[:end].strip(), rest[end : end + 1], rest[end + 1 :])
 
 
 def _is_group(key: str, value: str, groups: Collection[str]) -> bool:
@@ -230,7 +234,7 @@ def _is_group(key: str, value: str, groups: Collection[str]) -> bool:
     )
 
 
-def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
+def _parsed_values(argument: str, hydra: str, values: ValueParser) -> tuple[str, ...]:
     try:
         return tuple(values(hydra))
     except ValueError as error:
@@ -254,18 +258,18 @@ def _segments(key: str) -> list[str]:
     return ["".join(groups) for groups in _SEGMENT.findall(key)]
 
 
-def _nested(path: Iterable[str], value: str) -> str:
+def _nested_mapping(path: Iterable[str], value: str) -> str:
     names = [grammar.name(part) for part in path]
     return "".join(f"{{{name}:" for name in names) + value + "}" * len(names)
 
 
-def _yaml(key: str, value: str) -> str:
+def _yaml_line(key: str, value: str) -> str:
     head, *path = _segments(key)
     names = [name if re.fullmatch(_NAME, name) else f'"{name}"' for name in path]
     return f"{head}: " + "".join(f"{{{name}: " for name in names) + value + "}" * len(names)
 
 
-def _one_value(argument: str, override: Override) -> str:
+def _several_values_hint(argument: str, override: Override) -> str:
     key, _, value = argument.partition("=")
     if value.startswith("glob("):
         return "for a sweep add -m"

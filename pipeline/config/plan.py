@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field, ValidationError
 from linkwright.pipeline.config.messages import diagnostics
 from linkwright.pipeline.config.motor_library import with_motors
 from linkwright.pipeline.config.objective_section import ObjectiveSection
-from linkwright.pipeline.config.optional import without_effect
+from linkwright.pipeline.config.optional import idle_entries
 from linkwright.pipeline.config.page_section import PageSection
 from linkwright.pipeline.errors import Diagnostic, refusal
 from linkwright.stages.export.section import ExportSections
@@ -110,7 +110,7 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
         data: Mapping[str, Any],
         earlier: Iterable[Diagnostic] = (),
         *,
-        unsure: Callable[[Diagnostic], bool] = lambda _: False,
+        is_unsure: Callable[[Diagnostic], bool] = lambda _: False,
         judge: "Judge | None" = None,
         folders: Sequence[Path] = (),
     ) -> "Plan":
@@ -118,18 +118,18 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
 
         Raises a single ConfigError with all problems: the `earlier` problems; each key that is unknown,
         missing, not supported yet or has a value that is not allowed; and the problems that `judge` finds in
-        the rest. Problems of keys are left out if they may only follow from an earlier problem (`unsure`).
-        `folders`: the user's folders, which contain `robot/` and may contain `motors/`.
+        the rest. Problems of keys are left out if they may only follow from an earlier problem
+        (`is_unsure`). `folders`: the user's folders, which contain `robot/` and may contain `motors/`.
         """
         data, missing = with_motors(data, folders)
-        problems = [*earlier, *missing, *without_effect(data)]
+        problems = [*earlier, *missing, *idle_entries(data)]
         plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))
         except ValidationError as error:
             places = {problem.where for problem in problems}
             invalid_keys = [problem for problem in diagnostics(error, cls) if problem.where not in places]
-            problems += [problem for problem in invalid_keys if not unsure(problem)]
+            problems += [problem for problem in invalid_keys if not is_unsure(problem)]
             plan = cls._of_the_rest(data, [details["loc"] for details in error.errors()])
         if plan is not None and not problems:
             return plan

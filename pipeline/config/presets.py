@@ -202,8 +202,8 @@ class Presets:
     def unknown(self, group: str, option: str) -> Diagnostic:
         """Returns the problem of an option without a file."""
         where = f"{group}={option}"
-        if group != "robot" and not reach.is_plain(option):
-            return reach.outside(option, where)
+        if group != "robot" and not reach.is_inside(option):
+            return reach.outside_problem(option, where)
         options = self.options(group)
         if not options:
             hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import yaml
 
-from linkwright.pipeline.config.compose import HYDRA, compose_plan
+from linkwright.pipeline.config.compose import HYDRA_ARGUMENTS, compose_plan
 from linkwright.pipeline.config.presets import OURS
 from linkwright.pipeline.reference import (
     COMMAND_JSON,
@@ -73,7 +73,7 @@ def _hydra_section(group, option):
     from hydra import compose, initialize_config_module
     from omegaconf import OmegaConf
 
-    with initialize_config_module("linkwright.conf", **HYDRA):
+    with initialize_config_module("linkwright.conf", **HYDRA_ARGUMENTS):
         override = f"{group.replace('.', '/')}={option}"
         config = compose("build", [override], return_hydra_config=True)
     section = OmegaConf.to_container(OmegaConf.select(config, group), resolve=False)

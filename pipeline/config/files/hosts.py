@@ -7,13 +7,15 @@ from linkwright.pipeline.config.files.trust import TRUST_CODE
 from linkwright.stages.fetch.onshape.url import parse
 from linkwright.stages.robot.errors import ConfigError, Diagnostic
 
-VARIABLE = "LINKWRIGHT_HOST"
+HOST_VARIABLE = "LINKWRIGHT_HOST"
 """Environment variable with the host on this computer that files may name: `http://127.0.0.1:8000`."""
 
-KEY = "source.url"
+URL_KEY = "source.url"
 
 
-def unnamed(tree: Mapping[str, Any], typed: Collection[str], environ: Mapping[str, str]) -> list[Diagnostic]:
+def host_problems(
+    tree: Mapping[str, Any], typed: Collection[str], environ: Mapping[str, str]
+) -> list[Diagnostic]:
     """Returns the problem of an address on this computer that only a file names, or [].
 
     `typed`: the addresses that the command line names, or the caller in Python.
@@ -22,13 +24,13 @@ def unnamed(tree: Mapping[str, Any], typed: Collection[str], environ: Mapping[st
     origin = _origin(source.get("url") if isinstance(source, Mapping) else None)
     if not origin or origin in {_origin(address) for address in typed}:
         return []
-    trusted_host = environ.get(VARIABLE, "").strip().rstrip("/").lower()
+    trusted_host = environ.get(HOST_VARIABLE, "").strip().rstrip("/").lower()
     if origin == trusted_host:
         return []
     text = f"a file must not send the API key to a port of this computer ({origin})"
-    text += f"; {VARIABLE} names another host" if trusted_host else ""
-    hint = f"if you trust it: set {VARIABLE}={origin}, or give {KEY} on the command line"
-    return [Diagnostic(TRUST_CODE, text, KEY, hint)]
+    text += f"; {HOST_VARIABLE} names another host" if trusted_host else ""
+    hint = f"if you trust it: set {HOST_VARIABLE}={origin}, or give {URL_KEY} on the command line"
+    return [Diagnostic(TRUST_CODE, text, URL_KEY, hint)]
 
 
 def _origin(address: Any) -> str:

@@ -16,27 +16,27 @@ from linkwright.stages.robot.errors import Diagnostic
 OUTPUT, SWEEP_DIR = "output", "hydra.sweep.dir"
 
 _ENVIRONMENT_VALUE = re.compile(r"\$\{oc\.env:\w+\}")
-"""A value that consists of an environment variable, without a default."""
+"""The pattern of a value that is a single environment variable without a default."""
 
 
-def outside(
-    named: Mapping[str, Any],
+def folder_problems(
+    folders: Mapping[str, Any],
     config: DictConfig,
-    typed: Collection[str],
+    typed_keys: Collection[str],
     files: Iterable[Path],
     environ: Mapping[str, str],
     command: str,
 ) -> list[Diagnostic]:
     """Returns a problem for each folder that a file puts outside of the working folder.
 
-    `named`: key → folder; `config`: the tree as Hydra composed it; `typed`: the keys that the command line
-    sets; `files`: the user's own files in the composition; `command`: the typed command, which hints
-    complete.
+    `folders`: key → folder; `config`: the tree as Hydra composed it; `typed_keys`: the keys that the command
+    line sets; `files`: the user's own files in the composition; `command`: the typed command, which the hints
+    repeat.
     """
     if are_trusted(files, environ):
         return []
     output_value = next((str(value) for key, value in config.items_ex(resolve=False) if key == OUTPUT), "")
-    free_keys = {*typed, *([OUTPUT] if _ENVIRONMENT_VALUE.fullmatch(output_value) else [])}
+    free_keys = {*typed_keys, *([OUTPUT] if _ENVIRONMENT_VALUE.fullmatch(output_value) else [])}
     return [
         Diagnostic(
             TRUST_CODE,
@@ -44,7 +44,7 @@ def outside(
             key,
             f"if you want it there: {command} {override_text(key, place)}",
         )
-        for key, place in named.items()
+        for key, place in folders.items()
         if key not in free_keys and isinstance(place, str) and not _is_below(place)
     ]
 

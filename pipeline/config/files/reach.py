@@ -1,6 +1,6 @@
 """Keeps paths within the folders of the configuration: files outside are never options.
 
-Paths are normalised as text: a link in a folder leads where its owner wants, and `..` behind it does not.
+Paths are normalised as text: a link in a folder may lead anywhere, since its owner set it, but `..` may not.
 """
 
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from linkwright.stages.robot.errors import Diagnostic
 
-HINT = "put the file below a folder that --config-dir names, as DIR/robot/NAME.yaml or DIR/mesh/NAME.yaml"
+_HINT = "put the file below a folder that --config-dir names, as DIR/robot/NAME.yaml or DIR/mesh/NAME.yaml"
 
 
 class OutsideError(Exception):
@@ -20,14 +20,14 @@ class OutsideError(Exception):
         self.path = path
 
 
-def is_plain(path: str) -> bool:
-    """Tells whether a relative path stays in its folder, for any folder."""
+def is_inside(path: str) -> bool:
+    """Tells whether a path is relative and has no `..`, so that it stays in any folder."""
     return not _is_absolute(path) and ".." not in path.split("/")
 
 
 def place(base: Path, path: str, folders: Iterable[Path]) -> Path | None:
     """Returns `path` from `base`, normalised; None if the result is in none of `folders`."""
-    if is_plain(path):
+    if is_inside(path):
         return base / path
     if _is_absolute(path):
         return None
@@ -40,6 +40,6 @@ def _is_absolute(path: str) -> bool:
     return path.startswith("/") or "//" in path or "\\" in path
 
 
-def outside(path: str, where: str) -> Diagnostic:
+def outside_problem(path: str, where: str) -> Diagnostic:
     """Returns the problem of a path that leaves the folders of the configuration."""
-    return Diagnostic("E-OPTION", f"{path} is outside the folders of the configuration", where, HINT)
+    return Diagnostic("E-OPTION", f"{path} is outside the folders of the configuration", where, _HINT)

@@ -26,7 +26,7 @@ all of their keys has half as many."""
 MAX_DEPTH = 32
 """Largest number of levels of nesting."""
 
-_EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_EVENT_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _StrictLoader(yaml.SafeLoader):  # type: ignore[misc]
@@ -73,7 +73,7 @@ def text(path: Path) -> str:
         raise RefusedError(why, _mark(path, 0, 0), "choose the YAML file of the robot") from None
     observed.record_content(path, content)
     decoded = content.decode("utf-8")
-    judge(decoded, path)
+    check_limits(decoded, path)
     return decoded
 
 
@@ -87,7 +87,7 @@ def problem(error: Exception) -> str:
     if isinstance(error, RefusedError):
         return f"cannot be read: {error.problem}"
     if isinstance(error, yaml.MarkedYAMLError):
-        words = _QUOTED.sub(_if_harmless, f"{error.problem or error.context}")
+        words = _QUOTED.sub(_harmless_quote, f"{error.problem or error.context}")
         words = _TAB.sub("found a tab", words)
         return f"not valid YAML: {_DUPLICATE.sub('found a key twice', words)}"
     if isinstance(error, yaml.reader.ReaderError):
@@ -107,7 +107,7 @@ _DUPLICATE = re.compile(r"found duplicate key.*", re.DOTALL)
 _TAB = re.compile(r"found character '\\t' that cannot start any token|found a tab character.*", re.DOTALL)
 
 
-def _if_harmless(quoted: re.Match[str]) -> str:
+def _harmless_quote(quoted: re.Match[str]) -> str:
     """Returns a quoted text if it is the parser's own word or a punctuation mark, else ""."""
     content = quoted[1][1:-1]
     return quoted[0] if re.fullmatch(r"<[a-z ]+>|\\t|[^\w\s]", content) else ""
@@ -117,7 +117,7 @@ def require_mapping(content: str, name: str) -> None:
     """Raises RefusedError if the text of the file `name` begins with a value that is not a mapping, and hence
     cannot be a robot's file."""
     try:
-        for event in yaml.parse(content, Loader=_EVENTS):
+        for event in yaml.parse(content, Loader=_EVENT_LOADER):
             if isinstance(event, yaml.MappingStartEvent | yaml.StreamEndEvent):
                 return
             empty = isinstance(event, yaml.ScalarEvent) and event.value in ("", "~", "null")
@@ -130,71 +130,73 @@ def require_mapping(content: str, name: str) -> None:
         return
 
 
-def judge(content: str, path: Path) -> None:
+def check_limits(content: str, path: Path) -> None:
     """Raises RefusedError if the text of the file at `path` is above the limits."""
     try:
-        _Count(path).all(content, _EVENTS)
+        _Counter(path).all(content, _EVENT_LOADER)
     except RefusedError:
         raise
     except yaml.YAMLError:
-        _judge_again(content, path)
+        _check_in_python(content, path)
 
 
-def _judge_again(content: str, path: Path) -> None:
-    """Counts again with the parser that loads files.
+def _check_in_python(content: str, path: Path) -> None:
+    """Checks the limits again, with the parser that loads files.
 
     libyaml looks ahead for `:`, and stops at its own limit of levels before it reports any of them; the
     parser in Python would recurse there.
     """
     try:
-        _Count(path).all(content, yaml.SafeLoader)
+        _Counter(path).all(content, yaml.SafeLoader)
     except RefusedError:
         raise
     except yaml.YAMLError:
         return
 
 
-class _Count:
+class _Counter:
     """Counts values and levels of a document; keeps the number of values and the depth of each anchor."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._anchors: dict[str, tuple[int, int]] = {}
-        self._open: list[tuple[str | None, int, int]] = []
+        self._open_collections: list[tuple[str | None, int, int]] = []
+        """The anchor, the number of values and the height of each open collection, outermost first."""
 
     def all(self, content: str, loader: Any) -> None:
+        """Counts a text; raises RefusedError above the limits."""
         for event in yaml.parse(content, Loader=loader):
             if isinstance(event, yaml.AliasEvent):
-                self._repeated(event)
+                self._add_alias(event)
             elif isinstance(event, yaml.ScalarEvent):
                 self._anchors |= {event.anchor: (1, 0)} if event.anchor else {}
                 self._add(1, 0, event)
             elif isinstance(event, yaml.CollectionStartEvent):
-                self._open.append((event.anchor, 1, 1))
+                self._open_collections.append((event.anchor, 1, 1))
                 self._add(0, 0, event)
             elif isinstance(event, yaml.CollectionEndEvent):
-                anchor, values, height = self._open.pop()
+                anchor, values, height = self._open_collections.pop()
                 self._anchors |= {anchor: (values, height)} if anchor else {}
                 self._add(values, height, event)
 
-    def _repeated(self, event: yaml.AliasEvent) -> None:
-        if any(anchor == event.anchor for anchor, *_ in self._open):
+    def _add_alias(self, event: yaml.AliasEvent) -> None:
+        if any(anchor == event.anchor for anchor, *_ in self._open_collections):
             raise self._refused(f"*{event.anchor} contains itself", event, "remove the alias")
         self._add(*self._anchors.get(event.anchor, (1, 0)), event)
 
     def _add(self, values: int, height: int, event: yaml.Event) -> None:
         """Adds `values` with `height` levels to the open collection."""
-        if len(self._open) + height > MAX_DEPTH:
+        if len(self._open_collections) + height > MAX_DEPTH:
             problem = f"it is nested deeper than {MAX_DEPTH} levels"
             raise self._refused(problem, event, "no key of a robot is that deep: check the brackets")
-        total = values + sum(values_inside for _, values_inside, _ in self._open)
+        total = values + sum(values_inside for _, values_inside, _ in self._open_collections)
         if total > MAX_VALUES:
             problem = f"it expands to more than {MAX_VALUES} values"
             hint = "check its aliases (*name): each repeats the value of its anchor"
             raise self._refused(problem, event, hint)
-        if self._open:
-            anchor, values_inside, most = self._open[-1]
-            self._open[-1] = (anchor, values_inside + values, max(most, height + 1))
+        if self._open_collections:
+            anchor, values_inside, max_height = self._open_collections[-1]
+            self._open_collections[-1] = (anchor, values_inside + values, max(max_height, height + 1))
 
     def _refused(self, problem: str, event: yaml.Event, hint: str) -> RefusedError:
         mark = event.start_mark

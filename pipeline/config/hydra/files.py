@@ -30,10 +30,10 @@ MAX_INTERPOLATIONS = 2000
 MAX_CHARACTERS = 1 << 20
 """Largest number of characters in the results of a value's interpolations."""
 
-_RESOLVE = "_maybe_resolve_interpolation"
-_EVALUATE = "_evaluate_custom_resolver"
+_RESOLVE_METHOD = "_maybe_resolve_interpolation"
+_EVALUATE_METHOD = "_evaluate_custom_resolver"
 
-_ENVIRONMENT = "oc.env"
+_ENVIRONMENT_RESOLVER = "oc.env"
 _PURE_RESOLVERS = (
     "hydra", "oc.coerce", "oc.create", "oc.decode", "oc.deprecated", "oc.dict.keys", "oc.dict.values",
     "oc.select",
@@ -41,7 +41,7 @@ _PURE_RESOLVERS = (
 """Resolvers whose value depends only on the configuration and on the program."""
 
 
-class Guarded(ConfigSource):
+class GuardedSource(ConfigSource):
     """A source of files in a folder, which reads no file outside `folders`, the folders of the search path.
 
     Hydra's own sources join any path to their folder.
@@ -59,7 +59,9 @@ class Guarded(ConfigSource):
 
     def is_group(self, config_path: str) -> bool:
         place = self.at(config_path)
-        return place is not None and (place.is_dir() if self.installed(place) else observed.is_folder(place))
+        return place is not None and (
+            place.is_dir() if self.is_installed(place) else observed.is_folder(place)
+        )
 
     def file(self, config_path: str) -> Path | None:
         """Returns the path of a file, or None if it is outside."""
@@ -67,20 +69,22 @@ class Guarded(ConfigSource):
 
     def is_config(self, config_path: str) -> bool:
         place = self.file(config_path)
-        return place is not None and (place.is_file() if self.installed(place) else observed.is_file(place))
+        return place is not None and (
+            place.is_file() if self.is_installed(place) else observed.is_file(place)
+        )
 
     def load_config(self, config_path: str) -> ConfigResult:
         place = self.file(config_path)
         if place is None or not place.exists():
             msg = f"no such file: {config_path}"
             raise ConfigLoadError(msg)
-        if self.installed(place):
-            return _result(self, str(place), place.read_text(encoding="utf-8"))
-        result = _result(self, str(observed.real_path(place)), yaml_file.text(place))
-        _check_order(result.config, config_path.removesuffix(".yaml"))
+        if self.is_installed(place):
+            return _config_result(self, str(place), place.read_text(encoding="utf-8"))
+        result = _config_result(self, str(observed.real_path(place)), yaml_file.text(place))
+        _check_override_order(result.config, config_path.removesuffix(".yaml"))
         return result
 
-    def installed(self, place: Path) -> bool:
+    def is_installed(self, place: Path) -> bool:
         """Tells whether a file is part of the installation, so that it needs no check."""
         return False
 
@@ -88,7 +92,7 @@ class Guarded(ConfigSource):
 # The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
 
 
-class FileConfigSource(Guarded, file_config_source.FileConfigSource):
+class FileConfigSource(GuardedSource, file_config_source.FileConfigSource):
     """Hydra's source of files in folders, which checks each file first."""
 
     @property
@@ -97,7 +101,7 @@ class FileConfigSource(Guarded, file_config_source.FileConfigSource):
 
 
 class ImportlibResourcesConfigSource(
-    Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
+    GuardedSource, importlib_resources_config_source.ImportlibResourcesConfigSource
 ):
     """Hydra's source of files in packages, which also finds a robot's file by its path."""
 
@@ -105,7 +109,7 @@ class ImportlibResourcesConfigSource(
     def folder(self) -> Path:
         return _package_folder(self.path)
 
-    def installed(self, place: Path) -> bool:
+    def is_installed(self, place: Path) -> bool:
         return place.is_relative_to(self.folder)
 
 
@@ -114,14 +118,14 @@ def _package_folder(name: str) -> Path:
     return Path(str(resources.files(name))).resolve()
 
 
-def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:
+def _config_result(source: ConfigSource, name: str, text: str) -> ConfigResult:
     config, header = _parsed(name, text)
     # A copy, since Hydra removes the defaults list from the result.
     copied = copy.deepcopy(config)
     return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", copied, dict(header))
 
 
-def _check_order(config: Container, name: str) -> None:
+def _check_override_order(config: Container, name: str) -> None:
     """Raises ConfigCompositionException if an override precedes another entry of a file's defaults list.
 
     Hydra 1.3 and 1.4 find this too, but fail to report it if the override chooses several options.
@@ -156,17 +160,17 @@ def _is_in_hydra_node(node: Any) -> bool:
 
 
 @contextmanager
-def guarded() -> Iterator[None]:
+def guarded_reading() -> Iterator[None]:
     """Makes Hydra read files through the sources above while the block runs. Interpolations are counted, and
     the values that they read outside of the configuration are recorded."""
     sources = SourcesRegistry.instance().types
     original_sources = dict(sources)
     sources |= {kind.scheme(): kind for kind in (FileConfigSource, ImportlibResourcesConfigSource)}
-    resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
+    resolve: Callable[..., Any] = getattr(Container, _RESOLVE_METHOD)
     depth = count = characters = 0
     outermost: Any = None
 
-    def counted(self: Container, *args: Any, **options: Any) -> Any:
+    def resolve_with_count(self: Container, *args: Any, **options: Any) -> Any:
         nonlocal depth, count, characters, outermost
         if not depth:
             count = characters = 0
@@ -184,21 +188,23 @@ def guarded() -> Iterator[None]:
         finally:
             depth -= 1
 
-    evaluate: Callable[..., Any] = getattr(Container, _EVALUATE)
+    evaluate: Callable[..., Any] = getattr(Container, _EVALUATE_METHOD)
 
-    def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **options: Any) -> Any:
-        if inter_type == _ENVIRONMENT and inter_args:
+    def evaluate_with_record(
+        self: Container, *, inter_type: str, inter_args: Sequence[Any], **options: Any
+    ) -> Any:
+        if inter_type == _ENVIRONMENT_RESOLVER and inter_args:
             observed.record_variable(str(inter_args[0]))
         elif inter_type not in _PURE_RESOLVERS and depth and not _is_in_hydra_node(outermost):
             # At depth 0 files are merged: the value is resolved again where it is used.
             observed.record_momentary_value()
         return evaluate(self, inter_type=inter_type, inter_args=inter_args, **options)
 
-    setattr(Container, _RESOLVE, counted)
-    setattr(Container, _EVALUATE, noted)
+    setattr(Container, _RESOLVE_METHOD, resolve_with_count)
+    setattr(Container, _EVALUATE_METHOD, evaluate_with_record)
     try:
         yield
     finally:
-        setattr(Container, _RESOLVE, resolve)
-        setattr(Container, _EVALUATE, evaluate)
+        setattr(Container, _RESOLVE_METHOD, resolve)
+        setattr(Container, _EVALUATE_METHOD, evaluate)
         sources |= original_sources

@@ -30,20 +30,21 @@ from hydra.plugins.config_source import ConfigResult, ConfigSource
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from linkwright.pipeline.config.files.reach import OutsideError, is_plain
-from linkwright.pipeline.config.hydra.files import Guarded
+from linkwright.pipeline.config.files.reach import OutsideError, is_inside
+from linkwright.pipeline.config.hydra.files import GuardedSource
 
 PRIMARY = "build"
 
-SEARCHPATH = "hydra.searchpath="
+SEARCHPATH_PREFIX = "hydra.searchpath="
 
-_NODE = "/hydra/"
-"""The path of the merged files of Hydra's own node, as of a single file; no path of Hydra begins with a /."""
+_HYDRA_NODE_PATH = "/hydra/"
+"""The path that the merged files of Hydra's own node get, as if they were a single file. Hydra's paths never
+begin with a slash."""
 
-_LOADED: dict[str, ConfigResult] = {}
+_INSTALLED_FILES: dict[str, ConfigResult] = {}
 """Installed files by their paths: the same for all trees of a process."""
 
-_NODES: dict[tuple[tuple[str, str], ...], DictConfig] = {}
+_HYDRA_NODES: dict[tuple[tuple[str, str], ...], DictConfig] = {}
 """Hydra's own node, merged from installed files, by their paths and packages."""
 
 
@@ -56,14 +57,14 @@ def parsed(override: str) -> Override:
 class Repository(ConfigRepository):
     """Hydra's repository of files, without files outside the search path; each file is loaded once.
 
-    `is_of_conf`: whether it has no files of the user.
+    `has_only_conf`: whether the search path has no folder of the user.
     """
 
-    is_of_conf = False
+    has_only_conf = False
 
     def initialize_sources(self, config_search_path: ConfigSearchPath) -> None:
         super().initialize_sources(config_search_path)
-        guarded = [source for source in self.sources if isinstance(source, Guarded)]
+        guarded = [source for source in self.sources if isinstance(source, GuardedSource)]
         folders = tuple(source.folder for source in guarded)
         for source in guarded:
             source.folders = folders
@@ -72,13 +73,13 @@ class Repository(ConfigRepository):
     def is_installed(self, config_path: str) -> bool:
         """Tells whether a file is part of the installation."""
         source = self._find_object_source(config_path, ObjectType.CONFIG)
-        if not isinstance(source, Guarded):
+        if not isinstance(source, GuardedSource):
             return source is not None
         place = source.file(config_path)
-        return place is not None and source.installed(place)
+        return place is not None and source.is_installed(place)
 
     def load_config(self, config_path: str) -> ConfigResult | None:
-        loaded = _LOADED if self.is_installed(config_path) else self._loaded
+        loaded = _INSTALLED_FILES if self.is_installed(config_path) else self._loaded
         if config_path not in loaded:
             result = super().load_config(config_path)
             if result is None:
@@ -87,12 +88,14 @@ class Repository(ConfigRepository):
         return loaded[config_path]
 
     def _find_object_source(self, config_path: str, object_type: ObjectType | None) -> ConfigSource | None:
-        if is_plain(config_path):
+        if is_inside(config_path):
             return super()._find_object_source(config_path, object_type)
-        inside = [source for source in self.sources if isinstance(source, Guarded) and source.at(config_path)]
-        if not inside:
+        containing_sources = [
+            source for source in self.sources if isinstance(source, GuardedSource) and source.at(config_path)
+        ]
+        if not containing_sources:
             raise OutsideError(config_path)
-        for source in inside:
+        for source in containing_sources:
             if (
                 source.is_config(config_path)
                 if object_type == ObjectType.CONFIG
@@ -131,16 +134,22 @@ class Loader(ConfigLoaderImpl):
 
     def composed(self, overrides: Sequence[str]) -> tuple[DictConfig, Mapping[str, Any]]:
         """Composes a tree, as the function `composed` describes."""
-        typed = [parsed(override) for override in overrides]
-        repository = self._repository_of(tuple(text for text in overrides if text.startswith(SEARCHPATH)))
-        values = [override for override in typed if _is_value(override, repository)]
-        choices = tuple(override.input_line or "" for override in typed if override not in values)
-        base = _of_conf(choices) if repository.is_of_conf else self.base(choices, repository)
+        parsed_overrides = [parsed(override) for override in overrides]
+        repository = self._repository_of(
+            tuple(text for text in overrides if text.startswith(SEARCHPATH_PREFIX))
+        )
+        values = [override for override in parsed_overrides if _is_value(override, repository)]
+        choices = tuple(override.input_line or "" for override in parsed_overrides if override not in values)
+        base = _conf_tree(choices) if repository.has_only_conf else self.base(choices, repository)
         config = pickle.loads(base.pickled)
-        set_too = [override for override in typed if override in values or override.input_line in base.typed]
-        ConfigLoaderImpl._apply_overrides_to_config(set_too, config)
+        setting_overrides = [
+            override
+            for override in parsed_overrides
+            if override in values or override.input_line in base.typed
+        ]
+        ConfigLoaderImpl._apply_overrides_to_config(setting_overrides, config)
         lines = config.hydra.overrides
-        for override in typed:
+        for override in parsed_overrides:
             (lines.hydra if override.is_hydra_override() else lines.task).append(override.input_line)
         config.hydra.runtime.cwd = os.getcwd()  # noqa: PTH109
         # Hydra 1.4 has an interpolation there.
@@ -153,7 +162,7 @@ class Loader(ConfigLoaderImpl):
         if searchpath not in self._repositories:
             repository: Any = Repository(self.config_search_path)
             self._process_config_searchpath(PRIMARY, list(map(parsed, searchpath)), repository)
-            repository.is_of_conf = not searchpath
+            repository.has_only_conf = not searchpath
             self._repositories[searchpath] = repository
         return self._repositories[searchpath]
 
@@ -190,21 +199,21 @@ class Loader(ConfigLoaderImpl):
         remaining = [default for default in defaults if default not in hydra_defaults]
         self.files = {_path(default): None for default in defaults}
         self._node = self._merged(hydra_defaults, repo)
-        merged = [ResultDefault(config_path=_NODE), *remaining]
+        merged = [ResultDefault(config_path=_HYDRA_NODE_PATH), *remaining]
         return super()._compose_config_from_defaults_list(defaults=merged, repo=repo)
 
     def _merged(self, defaults: list[ResultDefault], repo: IConfigRepository) -> DictConfig:
         """Returns the node `hydra`, merged from Hydra's own files."""
         key = tuple((_path(default), default.package or "") for default in defaults)
         is_installed = isinstance(repo, Repository) and all(repo.is_installed(path) for path, _ in key)
-        nodes = _NODES if is_installed else {}
+        nodes = _HYDRA_NODES if is_installed else {}
         if key not in nodes:
             nodes[key] = super()._compose_config_from_defaults_list(defaults=defaults, repo=repo)
         return nodes[key]
 
     def _load_single_config(self, default: ResultDefault, repo: IConfigRepository) -> ConfigResult:
         path = _path(default)
-        if path == _NODE:
+        if path == _HYDRA_NODE_PATH:
             return ConfigResult("hydra", path, copy.deepcopy(self._node), {})
         loaded = copy.copy(super()._load_single_config(default, repo))
         if not default.package:
@@ -226,7 +235,7 @@ def _path(default: ResultDefault) -> str:
 
 
 @lru_cache(maxsize=64)
-def _of_conf(choices: tuple[str, ...]) -> ChosenTree:
+def _conf_tree(choices: tuple[str, ...]) -> ChosenTree:
     """Returns the tree of choices of options without files of the user, which is the same for all builds of a
     process."""
     return _loader().new_base(choices)
@@ -254,14 +263,14 @@ def composed(overrides: Sequence[str]) -> tuple[DictConfig, Mapping[str, Any]]:
         raise ConfigCompositionException from error
 
 
-_MAP = "_create_interpolation_map"
+_GATHER_FUNCTION = "_create_interpolation_map"
 
 
 @contextmanager
-def swift() -> Iterator[None]:
-    """Speeds up Hydra 1.3 while the block runs: it gathers the targets of interpolations only for defaults
-    lists that have an interpolation. For other lists this would take half of the time."""
-    gather: Callable[..., Any] | None = getattr(defaults_list, _MAP, None)
+def speed_up() -> Iterator[None]:
+    """Speeds up Hydra 1.3 while the block runs: targets of interpolations are gathered only for defaults
+    lists with an interpolation. For other lists this would take half of the time, without effect."""
+    gather: Callable[..., Any] | None = getattr(defaults_list, _GATHER_FUNCTION, None)
     if gather is None:
         yield
         return
@@ -270,15 +279,15 @@ def swift() -> Iterator[None]:
         needed = any(default.is_interpolation() for default in defaults if not default.is_self())
         return gather(overrides, defaults, self_added) if needed else None
 
-    setattr(defaults_list, _MAP, gathered)
+    setattr(defaults_list, _GATHER_FUNCTION, gathered)
     try:
         yield
     finally:
-        setattr(defaults_list, _MAP, gather)
+        setattr(defaults_list, _GATHER_FUNCTION, gather)
 
 
 @contextmanager
-def aside() -> Iterator[None]:
+def set_aside() -> Iterator[None]:
     """Sets aside the Hydra instance of a calling program, which may itself run under Hydra."""
     caller_hydra = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()

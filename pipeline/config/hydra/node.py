@@ -17,11 +17,11 @@ from linkwright.pipeline.config.files.trust import (
     SweepSettings,
     compare_hydra_nodes,
 )
-from linkwright.pipeline.config.hydra.errors import LAUNCHERS, SWEEPERS, explained, needs_plug_in
-from linkwright.pipeline.config.hydra.loader import SEARCHPATH, composed
+from linkwright.pipeline.config.hydra.errors import LAUNCHERS, SWEEPERS, composition_problem, plug_in_problem
+from linkwright.pipeline.config.hydra.loader import SEARCHPATH_PREFIX, composed
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.partial import Draft
-from linkwright.pipeline.config.plain import as_written, at
+from linkwright.pipeline.config.plain import as_written, value_at
 from linkwright.pipeline.config.presets import Presets
 from linkwright.pipeline.errors import Diagnostic
 from linkwright.pipeline.terminal import pasted
@@ -63,7 +63,7 @@ class HydraNode:
         except Exception as error:
             launchers = [override.values[0] for override in overrides if override.key == LAUNCHERS]
             problems = [self._launcher_problem(launcher) for launcher in launchers]
-            return [problem for problem in problems if problem] or [explained(error, self._presets)]
+            return [problem for problem in problems if problem] or [composition_problem(error, self._presets)]
         return []
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
@@ -95,7 +95,7 @@ class HydraNode:
         launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (LAUNCHERS, SWEEPERS))
         # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
         if launcher == RAY and find_spec("hydra_plugins.hydra_ray_launcher") is None:
-            draft.add(needs_plug_in(RAY))
+            draft.add(plug_in_problem(RAY))
         file_settings = self._file_settings(config, (launcher, sweeper), draft) if self._presets.own else {}
         folder_keys = [
             key for key in FOLDER_KEYS if key in file_settings or self.typed_keys([f"hydra.{key}"])
@@ -111,7 +111,7 @@ class HydraNode:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
         # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
-            draft.add(self._launcher_problem(options[0]) or explained(error, self._presets))
+            draft.add(self._launcher_problem(options[0]) or composition_problem(error, self._presets))
             return {}
         # The search path of the composed tree has the user's folders, which no file has added.
         searchpath = [f"file://{folder}" for folder in self._presets.own]
@@ -119,7 +119,7 @@ class HydraNode:
         settings, problems = compare_hydra_nodes(
             as_written(config.hydra),
             trusted_node,
-            lambda place: at(config, ("hydra", *place), draft.problems),
+            lambda place: value_at(config, ("hydra", *place), draft.problems),
             self._command,
         )
         # A key that could not be resolved has a problem already.
@@ -177,13 +177,13 @@ def _resolved_folders(
         config.hydra.job.override_dirname = label.replace(" ", ",")
     # `${hydra:...}` reads this configuration.
     HydraConfig.instance().set_config(config)
-    return {key: str(at(config, ("hydra", *key.split(".")), draft.problems)) for key in keys}
+    return {key: str(value_at(config, ("hydra", *key.split(".")), draft.problems)) for key in keys}
 
 
 def search_path_override(folders: Iterable[Path]) -> list[str]:
     """Returns the override that adds folders to Hydra's search path, in a list; [] without folders."""
     entries = ",".join(quote_text(f"file://{folder}") for folder in folders)
-    return [f"{SEARCHPATH}[{entries}]"] if entries else []
+    return [f"{SEARCHPATH_PREFIX}[{entries}]"] if entries else []
 
 
 def quote_text(text: str) -> str:

@@ -10,7 +10,7 @@ from hydra.errors import HydraException
 
 from linkwright.pipeline.config.hydra.loader import parsed
 from linkwright.pipeline.config.hydra.node import quote_text
-from linkwright.pipeline.config.hydra.words import READING, in_words
+from linkwright.pipeline.config.hydra.words import PARSER_RULES, translate
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.presets import GROUPS, Presets
 
@@ -28,7 +28,7 @@ class Reading:
             override = parsed(text)
         except HydraException as error:
             text = str(error).splitlines()[0]
-            words = in_words(text, READING)
+            words = translate(text, PARSER_RULES)
             raise ValueError(words.text if words else text) from None
         except RecursionError:
             msg = "it is nested too deeply"
@@ -69,9 +69,9 @@ class Reading:
         for override in map(parsed, overrides):
             value = None if override.is_delete() else override.value()
             for key in keys:
-                below = key.removeprefix(override.key_or_group)
-                inside = isinstance(value, dict) and below[:1] == "." and below[1:] in value
-                if not override.is_delete() and (not below or inside):
+                rest = key.removeprefix(override.key_or_group)
+                is_in_value = isinstance(value, dict) and rest[:1] == "." and rest[1:] in value
+                if not override.is_delete() and (not rest or is_in_value):
                     set_keys.add(key)
         return set_keys
 
@@ -91,8 +91,8 @@ class Reading:
 
     def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
         """Returns the overrides of each job, split and ordered as by Hydra's sweeper: the last override of a
-        key wins. Hydra's sweeper itself would keep only the last of `joints.*.damping=1
-        joints.*.friction=2`."""
+        key wins. Unlike there, `joints.*.damping=1` and `joints.*.friction=2` are both kept, although both
+        are overrides of `joints` for Hydra."""
         texts = {
             (override.hydra.partition("=")[0], override.key): override.texts
             for override in overrides

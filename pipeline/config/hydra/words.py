@@ -20,9 +20,9 @@ Rules = dict[str, Words]
 """The pattern of a message of Hydra → our message, with the pattern's groups in braces. Further words in braces
 are `near`, suggested groups for `group`, and `settings`, suggested settings for `key`."""
 
-TREE = "linkwright --cfg job shows the tree"
+_TREE_HINT = "linkwright --cfg job shows the tree"
 
-COMPOSING: Rules = {
+COMPOSITION_RULES: Rules = {
     r"In '?(?P<file>[^':]+)'?: Could not override '(?P<group>[^'@]+).*'. Did you mean to override (?P=group)\?": Words(
         "its defaults list cannot override {group}",
         "{file}.yaml",
@@ -51,10 +51,10 @@ COMPOSING: Rules = {
         "exists already", "+{key}", "leave out the +"
     ),
     r"Could not delete from config\. '(?P<key>[^']+)' does not exist": Words(
-        "does not exist, so it cannot be deleted", "~{key}", TREE
+        "does not exist, so it cannot be deleted", "~{key}", _TREE_HINT
     ),
     r"Could not delete '(?P<key>[^'=]+)[^']*'\. No match in the defaults list": Words(
-        "does not exist, so it cannot be deleted", "~{key}", TREE
+        "does not exist, so it cannot be deleted", "~{key}", _TREE_HINT
     ),
     r"Could not delete from config\. The value of '(?P<key>[^']+)' is (?P<value>.*?) and not ": Words(
         "is not deleted: its value is {value}", "~{key}", "leave out the value: ~{key}"
@@ -73,7 +73,7 @@ COMPOSING: Rules = {
         "must be a whole number (given {value})", "{key}"
     ),
     r"Error merging override (?P<line>[^\n]*)\s*(?P<cause>[^\n]*)": Words(
-        "is not allowed there: {cause}", "{line}", TREE
+        "is not allowed there: {cause}", "{line}", _TREE_HINT
     ),
     r"Error merging '(?P<file>[^']+)' with schema": Words(
         "has the name of a plug-in's settings, but other keys or types",
@@ -86,7 +86,7 @@ COMPOSING: Rules = {
 }  # fmt: skip
 """Messages of Hydra's composition."""
 
-RESOLVING: Rules = {
+INTERPOLATION_RULES: Rules = {
     r"Interpolation key '(?P<key>[^']+)' not found": Words(
         "refers to {key}, which does not exist", hint="an interpolation needs the full key: ${{vars.reach}}"
     ),
@@ -105,7 +105,7 @@ RESOLVING: Rules = {
 }
 """Messages of OmegaConf's resolution of interpolations."""
 
-READING: Rules = {
+PARSER_RULES: Rules = {
     r"token recognition error at: '(?P<text>.+)'": Words("{text} needs quotes"),
     r"(mismatched|extraneous) input '<EOF>'": Words("it ends too early"),
     r"(mismatched|extraneous) input '(?P<text>.*?)'( expecting|$)": Words("{text} is not expected there"),
@@ -115,7 +115,7 @@ READING: Rules = {
 """Messages of the parser of overrides."""
 
 
-def in_words(
+def translate(
     text: str, rules: Rules, groups: Collection[str] = (), settings: Collection[str] = ()
 ) -> Words | None:
     """Returns our message for a message of Hydra or OmegaConf; None if no pattern matches."""
@@ -125,9 +125,9 @@ def in_words(
             texts = {name: (text or "").strip() for name, text in match.groupdict().items()}
             group = texts.get("group", "")
             name = group.removeprefix("robot/")
-            slash = f"write /{name}: a group's name begins with a slash" if name in groups else ""
-            texts["near"] = slash or nearest(group, groups) or f"groups: {', '.join(groups)}"
+            slash_hint = f"write /{name}: a group's name begins with a slash" if name in groups else ""
+            texts["near"] = slash_hint or nearest(group, groups) or f"groups: {', '.join(groups)}"
             suggestion = nearest(texts.get("key", ""), settings)
             texts["settings"] = suggestion or f"settings: {', '.join(settings)}"
-            return Words(*(form.format(**texts).strip() for form in words))
+            return Words(*(template.format(**texts).strip() for template in words))
     return None

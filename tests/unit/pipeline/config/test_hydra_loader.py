@@ -10,7 +10,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
-from linkwright.pipeline.config.compose import HYDRA, compose_plan, session
+from linkwright.pipeline.config.compose import HYDRA_ARGUMENTS, compose_plan, session
 from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, parsed
 from linkwright.pipeline.config.hydra.node import search_path_override
 from linkwright.pipeline.sweep.run import compose_sweep
@@ -64,7 +64,7 @@ def here(tmp_path):
 @pytest.mark.parametrize("overrides", COMMANDS, ids=" ".join)
 def test_tree_and_paths_are_those_of_hydra_alone(here, overrides):
     everything = [*overrides, *search_path_override([here])]
-    with initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA):
+    with initialize_config_module("linkwright.conf", job_name="linkwright", **HYDRA_ARGUMENTS):
         expected = compose(PRIMARY, everything, return_hydra_config=True)
         loader = GlobalHydra.instance().config_loader()
         files = [

@@ -79,7 +79,7 @@ def test_aliases_and_merges_that_make_sense_are_read(tmp_path):
 def test_what_is_no_yaml_is_reported_by_its_parser(tmp_path):
     file = tmp_path / "x.yaml"
     for text in ("a: [1\n", "a: *nobody\n", "\t: :\n", "&a a: &a b\n"):
-        yaml_file.judge(text, file)
+        yaml_file.check_limits(text, file)
     file.write_text("a: [1\n")
     with pytest.raises(yaml.YAMLError):
         yaml_file.read(file)
