@@ -102,7 +102,7 @@ class _GlbFile:
             "buffers": [{"byteLength": len(buffer)}],
         }
         # The standard forbids empty lists.
-        text = orjson.dumps({key: value for key, value in document.items() if value})
+        text = orjson.dumps({key: value for key, value in document.items() if value != []})
         # Chunks end at a multiple of four bytes.
         text += b" " * (-len(text) % 4)
         chunks = _chunk(_JSON_CHUNK, text) + _chunk(_BINARY_CHUNK, buffer)

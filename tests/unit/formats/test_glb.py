@@ -57,6 +57,12 @@ def test_triangles_are_those_of_the_surface_to_the_bit():
     assert np.array_equal(mesh.triangles.astype(np.float32), original.corners.astype(np.float32))
 
 
+def test_the_default_scene_is_named():
+    """Without it, the standard lets a viewer show nothing."""
+    document = tree(glb.write([glb.Piece(cylinder(), GREY)]))
+    assert document["scenes"][document["scene"]] == {"nodes": [0]}
+
+
 def test_normals_follow_round_faces_and_turn_at_edges():
     data = glb.write([glb.Piece(cylinder(), GREY)])
     points, normals = attribute(data, 0, "POSITION"), attribute(data, 0, "NORMAL")
