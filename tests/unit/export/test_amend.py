@@ -127,10 +127,11 @@ def test_tag_means_no_class(tmp_path):
     }
     exported = made(tmp_path, robot, elements=elements)
     root = parse(exported.files["robot.xml"])
-    assert root.find("default//equality") is not None
-    assert root.find("equality/weld[@name='own']") is not None
-    assert root.find("worldbody/body[@name='base']/site[@name='first']") is not None
-    assert root.find("default/default[@class='own']") is not None
+    for path in (
+        "default//equality", "equality/weld[@name='own']", "default/default[@class='own']",
+        "worldbody/body[@name='base']/site[@name='first']",
+    ):  # fmt: skip
+        assert root.find(path) is not None, path
     assert exported.written.amendments.surplus_of("robot.xml").equalities == 1
     assert failed(tmp_path, exported) == []
 

@@ -193,22 +193,16 @@ def test_limits_dynamics_and_home_are_in_usds_units(tmp_path):
     for key in ("coneAngle0Limit", "coneAngle1Limit"):
         assert usd.value("three_joint", f"physics:{key}") == pytest.approx(math.degrees(0.6))
     for name, axis, scale in (("one_joint", "angular", 180 / math.pi), ("two_joint", "linear", 1.0)):
+        physx, position = f"physxJointAxis:{axis}", {"one_joint": 0.5, "two_joint": 0.1}[name]
         expected = {
-            "newton:armature": 0.03,
-            "newton:damping": 0.1 / scale,
-            "newton:friction": 0.2,
-            "newton:velocityLimit": 5 * scale,
-            "physxJoint:armature": 0.03,
-            "physxJoint:maxJointVelocity": 5 * scale,
-            f"physxJointAxis:{axis}:armature": 0.03,
-            f"physxJointAxis:{axis}:maxJointVelocity": 5 * scale,
-            f"physxJointAxis:{axis}:viscousFrictionCoefficient": 0.1 / scale,
-            f"physxJointAxis:{axis}:staticFrictionEffort": 0.2,
-            f"physxJointAxis:{axis}:dynamicFrictionEffort": 0.2,
-            f"drive:{axis}:physics:maxForce": 4,
-            f"drive:{axis}:physics:stiffness": 0,
-            f"state:{axis}:physics:position": {"one_joint": 0.5, "two_joint": 0.1}[name] * scale,
-        }
+            "newton:armature": 0.03, "newton:damping": 0.1 / scale, "newton:friction": 0.2,
+            "newton:velocityLimit": 5 * scale, "physxJoint:armature": 0.03,
+            "physxJoint:maxJointVelocity": 5 * scale, f"{physx}:armature": 0.03,
+            f"{physx}:maxJointVelocity": 5 * scale, f"{physx}:viscousFrictionCoefficient": 0.1 / scale,
+            f"{physx}:staticFrictionEffort": 0.2, f"{physx}:dynamicFrictionEffort": 0.2,
+            f"drive:{axis}:physics:maxForce": 4, f"drive:{axis}:physics:stiffness": 0,
+            f"state:{axis}:physics:position": position * scale,
+        }  # fmt: skip
         assert {key: usd.value(name, key) for key in expected} == pytest.approx(expected)
         schemas = usd.schemas(usd.joints[name].GetPrim())
         for schema in ("NewtonJointAPI", "PhysxJointAPI", f"PhysxJointAxisAPI:{axis}"):

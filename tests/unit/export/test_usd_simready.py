@@ -18,6 +18,7 @@ from tests.support.exports import compiled, exported
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball
 from tests.support.usd import complaints, pxr, stage_of
+from tests.unit.export.test_usd import usd_export as usd_of
 
 pytestmark = pytest.mark.usefixtures("no_thumbnails")
 
@@ -27,9 +28,7 @@ FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 
 
 def usd_export(robot, geometry=NO_MESHES, **usd):
-    assert pxr.Usd
-    keys = {"export": {"usd": usd, "mjcf": {}}, "ground": {"kind": "none"}}
-    return exported(robot, geometry, **keys)
+    return usd_of(robot, geometry, export={"usd": usd, "mjcf": {}})
 
 
 def meshed(*names):

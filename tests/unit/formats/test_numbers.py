@@ -1,10 +1,11 @@
 """The formatter of numbers."""
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced, tidy
+from tests.support.drawn import each
 
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 
@@ -46,17 +47,19 @@ def test_each_entry_is_within_the_tolerance_of_the_largest(values):
         assert text != "-0"
 
 
-@settings(max_examples=2000)
-@given(
-    finite | st.integers(-(10**17), 10**17).map(float) | st.integers(-(10**7), 10**7).map(lambda n: n / 1000),
-    st.none() | st.floats(0.0, 1e13),
-)
-@example(1e16, None)
-@example(999999.0, 1e12)
-def test_text_is_the_shortest_that_is_near_enough(value, scale):
+@pytest.mark.parametrize("count", [500, pytest.param(2000, marks=pytest.mark.slow)])
+def test_text_is_the_shortest_that_is_near_enough(count):
     """Tries each number of digits, from 1 on."""
-    tolerance = TOLERANCE * (abs(value) if scale is None else scale)
-    texts = [f"{value:.{digits}g}" for digits in range(1, 18)]
-    near = [text for text in texts if abs(float(text) - value) <= tolerance]
-    expected = "0" if abs(value) <= tolerance else tidy([*near, repr(value)][0])
-    assert number(value, scale) == expected
+
+    def is_shortest(value, scale):
+        tolerance = TOLERANCE * (abs(value) if scale is None else scale)
+        texts = [f"{value:.{digits}g}" for digits in range(1, 18)]
+        near = [text for text in texts if abs(float(text) - value) <= tolerance]
+        expected = "0" if abs(value) <= tolerance else tidy([*near, repr(value)][0])
+        assert number(value, scale) == expected
+
+    is_shortest(1e16, None)
+    is_shortest(999999.0, 1e12)
+    whole, thousandths = st.integers(-(10**17), 10**17).map(float), st.integers(-(10**7), 10**7)
+    values = finite | whole | thousandths.map(lambda n: n / 1000)
+    each(is_shortest, count, values, st.none() | st.floats(0.0, 1e13))

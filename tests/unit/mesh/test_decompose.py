@@ -17,7 +17,7 @@ from linkwright.stages.mesh.configuration.collider_settings import CoacdSettings
 from linkwright.stages.mesh.decompose import CoacdParameters, coacd_parameters, convex_pieces
 from linkwright.stages.mesh.decompose.coacd_pieces import NOT_CLOSED, prepared
 from linkwright.stages.mesh.decompose.seams import containing_hull, expanded_corners
-from linkwright.stages.mesh.measure import Target
+from linkwright.stages.mesh.measure import MeasuredPart
 from linkwright.stages.mesh.measure.field import Field
 from linkwright.stages.mesh.section import MeshSection
 from linkwright.stages.mesh.surfaces.pieces import surface_of as piece_surface
@@ -353,7 +353,7 @@ def test_pieces_are_not_joined_across_a_hole_however_small():
 def test_field_has_the_distances_of_closed_forms(tolerance):
     """The target is two bars 60 mm apart, by a grid, and where that would be too large."""
     bars = joined(*(box(0.02, 0.1, 0.1, at=(x, 0, 0)) for x in (-0.04, 0.04)))
-    field = Field.of(Target.of(bars), tolerance)
+    field = Field.of(MeasuredPart.of(bars), tolerance)
     assert (field.values is None) == (tolerance < 0.001)
     places = np.array([[0, 0, 0], [0.04, 0, 0], [0.03 - 2 * tolerance, 0, 0], [0.03, 0, 0]])
     assert field(places) == pytest.approx([min(0.03 / tolerance, 10), 0, 2, 0], rel=0.15, abs=0.25)

@@ -70,7 +70,7 @@ def test_guest_sees_variables_but_no_terminal_or_local_module(run_guest, tmp_pat
 
 
 @pytest.mark.parametrize("kind", [SourceError, ConfigError])
-def test_its_errors_come_back_as_ours(run_guest, kind):
+def test_errors_of_a_guest_come_back_as_ours(run_guest, kind):
     lines = f"from linkwright.stages.robot.errors import {kind.__name__} as E\nraise E('no', 'there', 'do')"
     with pytest.raises(kind) as caught:
         run_guest(lines)
@@ -98,7 +98,7 @@ def test_end_of_a_guest_is_reported_in_words(run_guest, lines, said):
 def test_slow_guest_ends_with_all_that_it_started(run_guest, tmp_path):
     place = tmp_path / "pids"
     with pytest.raises(Ended, match="took longer than 1 s"):
-        run_guest(ENDLESS, str(place).encode(), limited(1))
+        run_guest(ENDLESS, str(place).encode(), limited(1, shared=1000))
     assert gone(place)
 
 

@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.robot import Frame, Limits, Relation
 from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_configuration
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.checks import MODEL_CHECKS
-from linkwright.stages.validate.dynamics import mujoco_features as ability
+from linkwright.stages.validate.dynamics import mujoco_features
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import turn
 from tests.support import robots
@@ -101,15 +101,17 @@ def failed_of(robot, folder):
 
 def test_what_this_mujoco_can_do_is_found_out():
     version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
-    assert ability.reads_mimic() == (version >= (3, 13))
-    assert [ability.axes_error(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [version >= (3, 14)] * 3
+    assert mujoco_features.reads_mimic() == (version >= (3, 13))
+    assert [mujoco_features.principal_axes_error(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [
+        version >= (3, 14)
+    ] * 3
 
 
 def test_relations_are_read_from_text_where_mujoco_reads_none(copy, monkeypatch):
     robot, folder = copy
     file = folder / "robot.urdf"
     text = file.read_text()
-    monkeypatch.setattr("linkwright.stages.validate.read.urdf.reads_mimic", lambda: False)
+    monkeypatch.setattr(mujoco_features, "reads_mimic", lambda: False)
     assert failed_of(robot, folder) == []
     for change in ((r"<mimic [^>]*/>", ""), ('multiplier="-1.5"', 'multiplier="1.5"')):
         file.write_text(re.sub(*change, text))
@@ -124,9 +126,9 @@ def test_inertia_is_judged_as_finely_as_mujoco_finds_axes(copy, monkeypatch):
         nearly = re.sub(change, lambda m: f"{m[1]}{float(m[2]) * (1 + 5e-7):.16g}", file.read_text(), count=1)
         file.write_text(nearly)
     exact = ["robot.xml: inertia"]
-    if not ability.axes_error(1e-4):
+    if not mujoco_features.principal_axes_error(1e-4):
         assert failed_of(robot, folder) == [*exact, "robot.urdf: inertia"]
-    monkeypatch.setattr("linkwright.stages.validate.read.urdf.axes_error", lambda size: 1e-6)
+    monkeypatch.setattr(mujoco_features, "principal_axes_error", lambda size: 1e-6)
     assert failed_of(robot, folder) == exact
 
 
@@ -138,7 +140,7 @@ def test_how_finely_mujoco_finds_axes_is_measured(monkeypatch):
         values[:] *= 1 + 1e-5
 
     monkeypatch.setattr(mujoco, "mju_eig3", coarse)
-    assert 1e-5 < ability._largest_error.__wrapped__(-4) < 1e-3
+    assert 1e-5 < mujoco_features._largest_error.__wrapped__(-4) < 1e-3
 
 
 def test_quick_only_reads_and_compiles(good):
