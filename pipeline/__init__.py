@@ -11,7 +11,7 @@
 - interrupt: Ends a command with exit status 130 after Ctrl-C, wherever it comes.
 - key_path: Converts the path of a value in the configuration to the full key that users type.
 - lock: Locks by a lock file: one owner at a time, among all threads and processes that use the same file.
-- mesh_details: Writes the part of the report about a robot's geometry, and the terminal's line meanwhile.
+- mesh_details: Writes the report's tables about a robot's geometry, and shows the progress of the mesh stage.
 - motor_files: Finds the files of the motor library.
 - observed: Records the questions that a build asks the file system and the environment before its first
   stage, with answers.

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from linkwright.pipeline.motor_files import is_motor, library
-from linkwright.pipeline.reference.key_entries import entries, is_any, matching
+from linkwright.pipeline.reference.key_entries import entries, is_placeholder, matching
 from linkwright.pipeline.verbs import VERBS
 
 CONF = Path(__file__).resolve().parents[1] / "conf"
@@ -274,10 +274,10 @@ def _keys(word: str) -> list[str]:
         names = entry.names
         if entry.is_section or len(names) <= len(typed):
             continue
-        if not all(is_any(name) or name == part for name, part in zip(names, typed)):
+        if not all(is_placeholder(name) or name == part for name, part in zip(names, typed)):
             continue
         name = names[len(typed)]
-        if not is_any(name) and name.startswith(last):
+        if not is_placeholder(name) and name.startswith(last):
             end = "=" if len(names) == len(typed) + 1 else "."
             keys.add(".".join([*typed, name]) + end)
     return sorted(keys)

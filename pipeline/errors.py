@@ -79,13 +79,13 @@ class InTheWay(OutputError):
 REPORTED_STYLE = Style("-v shows all", indent="  ", hint="    ")
 """Style of the problems of a stage on the terminal, where only the worst are shown: its report lists all."""
 
-FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
+DISK_FULL_TEXTS = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
 """Errors of a full disk: errno → text."""
 
 
 def reason(error: OSError) -> str:
     """Returns the system's reason for an error, as text."""
-    return FULL.get(error.errno or 0) or error.strerror or str(error)
+    return DISK_FULL_TEXTS.get(error.errno or 0) or error.strerror or str(error)
 
 
 def refusal(problems: Sequence[Diagnostic], subject: str = "the configuration") -> ConfigError:
@@ -129,7 +129,7 @@ def _message(error: BaseException) -> str:
         return interrupt.MESSAGE
     if isinstance(error, LinkwrightError):
         return f"error: {error}"
-    if isinstance(error, OSError) and (error.filename or error.errno in FULL):
+    if isinstance(error, OSError) and (error.filename or error.errno in DISK_FULL_TEXTS):
         return f"error: {error.filename or 'a file cannot be written'}: {reason(error)}"
     return (
         f"error: a bug in linkwright: {type(error).__name__}: {error}\n"

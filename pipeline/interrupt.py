@@ -2,9 +2,10 @@
 
 Python raises KeyboardInterrupt between any two instructions, and so also where it is lost: in a `__del__` or
 a callback, where Python only prints it, and below a library that makes another error of it. So a command
-records that Ctrl-C came, asks at each step of a build (`check`), and takes each later error for it
-(`behind`). Some compiled libraries crash where their first import is interrupted (orjson, as of 3.13.0), so
-Ctrl-C waits until such an import ends. In a program that imports linkwright the signals are that program's.
+records that Ctrl-C came, asks at each step of a build (`check`), and treats each later error as its result
+(`is_cause_of`). Some compiled libraries crash where their first import is interrupted (orjson, as of 3.13.0),
+so Ctrl-C waits until such an import ends. In a program that imports linkwright the signals are that
+program's.
 """
 
 import _thread
@@ -43,7 +44,7 @@ def command(run: Callable[[], int]) -> int:
     """
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, _note)
+            signal.signal(signal.SIGINT, _handle_signal)
         status = run()
         # The status is final: to end the process now would contradict its output.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -54,7 +55,8 @@ def command(run: Callable[[], int]) -> int:
     return STATUS if _CAME.is_set() and status not in FINISHED else status
 
 
-def _note(number: int, frame: FrameType | None) -> None:
+def _handle_signal(number: int, frame: FrameType | None) -> None:
+    """Records Ctrl-C, and raises KeyboardInterrupt now, or later if a compiled module is being imported."""
     _CAME.set()
     if not _in_compiled_import(frame):
         raise KeyboardInterrupt
@@ -72,7 +74,7 @@ def _in_compiled_import(frame: FrameType | None) -> bool:
     return False
 
 
-def came() -> bool:
+def has_come() -> bool:
     """Tells whether the user has pressed Ctrl-C."""
     return _CAME.is_set()
 
@@ -80,21 +82,21 @@ def came() -> bool:
 def check() -> None:
     """Raises KeyboardInterrupt again if Ctrl-C came and was lost.
 
-    To be called before a step begins, and before a result is stored, which may be incomplete since the lost
-    exception cut its making short; not while cleaning up.
+    Call it before a step begins, and before a result is stored: the lost exception may have left the result
+    incomplete. Do not call it while cleaning up.
     """
     if _CAME.is_set():
         raise KeyboardInterrupt
 
 
-def behind(error: BaseException | None) -> bool:
+def is_cause_of(error: BaseException | None) -> bool:
     """Tells whether Ctrl-C is the cause of an error."""
     # An error that is raised again from what it caused is its own context: the chain may be a ring.
-    seen: set[int] = set()
-    while error is not None and id(error) not in seen and not _CAME.is_set():
+    visited: set[int] = set()
+    while error is not None and id(error) not in visited and not _CAME.is_set():
         if isinstance(error, KeyboardInterrupt):
             return True
-        seen.add(id(error))
+        visited.add(id(error))
         error = error.__cause__ or error.__context__
     return _CAME.is_set()
 

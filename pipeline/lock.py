@@ -1,4 +1,4 @@
-"""Locks by a lock file: one owner at a time, among all threads and processes that use the same file.
+"""Acquires lock files: one owner at a time, among all threads and processes that use the same file.
 
 A lock file must not be unlinked while others wait for it: the old file and a new one at the same path
 could each have an owner. So an owner checks that its file is still at the path, and only `drop`, which
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FOLDER = ".linkwright"
 """Name of the hidden folder for lock files, beside the output folders."""
 
-NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
+NO_LOCKS_ERRORS = (errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP)
 """Errors of a file system without locks, such as some network file systems."""
 
 PATIENCE = 2.0
@@ -29,8 +29,8 @@ PATIENCE = 2.0
 
 
 @contextlib.contextmanager
-def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
-    """Acquires the lock `path`, whose folder must exist; `waiting` is called once if it is not free soon.
+def acquired(path: Path, on_wait: Callable[[], None]) -> Iterator[None]:
+    """Acquires the lock `path`, whose folder must exist; `on_wait` is called once if it is not free soon.
 
     Continues without the lock if the file system has no locks. Raises OSError if the file is a link, or
     cannot be created or written.
@@ -40,10 +40,10 @@ def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
         try:
             lock = _acquire(path, patience)
         except filelock.Timeout:
-            waiting()
+            on_wait()
             patience = -1.0
         except OSError as error:
-            if error.errno not in NO_LOCKS:
+            if error.errno not in NO_LOCKS_ERRORS:
                 raise
             break
     try:
@@ -55,14 +55,15 @@ def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
                 lock.release()
 
 
-def place(target: Path) -> Path:
+def lock_path(target: Path) -> Path:
     """Returns the path of the lock file of an output folder."""
     return target.parent / FOLDER / f"{target.name}.lock"
 
 
 def beside(target: Path) -> Path:
-    """Returns `place`, and creates the folder of the lock file. Raises OSError if that fails."""
-    path = place(target)
+    """Returns `lock_path` of an output folder, and creates the folder of the lock file. Raises OSError if
+    that fails."""
+    path = lock_path(target)
     if path.parent.is_symlink():
         msg = f"{path.parent} is a link"
         raise NotADirectoryError(msg)
@@ -105,7 +106,7 @@ def _acquire(path: Path, patience: float) -> "BaseFileLock | None":
             return None
         except NotImplementedError as error:
             raise OSError(errno.ENOSYS, str(error)) from error
-        # While `handle` is open, no other file has its number: if it is there now, it was there all the time.
+        # While `handle` is open, its inode is not reused: if it is at the path now, it always was.
         if _is_at(path, status):
             return lock
         lock.release()

@@ -1,4 +1,4 @@
-"""Writes the part of the report about a robot's geometry, and the terminal's line meanwhile."""
+"""Writes the report's tables about a robot's geometry, and shows the progress of the mesh stage."""
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 _MM_PER_M = 1e3
 
 
-def noted(geometry: "Geometry", remembered: Sequence[MemoResult]) -> bytes:
-    """Returns the notes of the mesh stage. `remembered`: the results inside the stage, new or cached."""
+def mesh_notes(geometry: "Geometry", results: Sequence[MemoResult]) -> bytes:
+    """Returns the notes of the mesh stage. `results`: the results inside the stage, new or cached."""
     files = {shape.file for shape in geometry.shapes if shape.file is not None}
     figures = {"meshes": len(files), "triangles": sum(shape.faces for shape in geometry.shapes)}
     summary = f"{count(figures['meshes'], 'mesh', 'meshes')}, {count(figures['triangles'], 'triangle')}"
-    tables = details(geometry, remembered)
+    tables = details(geometry, results)
     return notes(summary, geometry.diagnostics, figures, details=tables, lasts=geometry.lasts)
 
 
-def details(geometry: "Geometry", remembered: Sequence[MemoResult] = ()) -> dict[str, Any]:
+def details(geometry: "Geometry", results: Sequence[MemoResult] = ()) -> dict[str, Any]:
     """Returns the report's tables about the geometry: lists of rows by name.
 
     - `colliders`: how the parts of each link collide; lengths in mm, volumes as shares of the part's volume.
       `seconds`: the time to make the collider, when it was made; 0 for all but the first of several equal
-      parts. `cached`: whether it was made before this build (see `remembered`: the results of the stage).
+      parts. `cached`: whether it was made before this build, by `results`, those inside the stage.
     - `links`: totals of each link. `geoms` counts the shapes with which an engine collides, also the user's.
     - `excludes`: the pairs of links that do not collide with each other, with the reason, and their depth in
       each other at `home` [mm]; empty if the robot does not collide with itself. If only some colliders of a
@@ -41,7 +41,7 @@ def details(geometry: "Geometry", remembered: Sequence[MemoResult] = ()) -> dict
     """
     excludes = [_exclude(exclude, geometry) for exclude in geometry.excludes]
     touching = [_pair(pair) for pair in geometry.touching]
-    colliders = _colliders(geometry.colliders, remembered)
+    colliders = _colliders(geometry.colliders, results)
     tables = {
         "colliders": colliders,
         "links": _links(geometry, colliders),
@@ -51,24 +51,22 @@ def details(geometry: "Geometry", remembered: Sequence[MemoResult] = ()) -> dict
     return {name: rows for name, rows in tables.items() if rows}
 
 
-def kept(details: Mapping[str, Any]) -> dict[str, Any]:
+def as_cached(details: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the tables of a stage whose result comes from the cache: all colliders count as cached."""
     rows = [{**row, "cached": True} for row in details.get("colliders", [])]
     return {**details, **({"colliders": rows} if rows else {})}
 
 
-def _colliders(
-    colliders: Iterable["ColliderFigures"], remembered: Sequence[MemoResult]
-) -> list[dict[str, Any]]:
+def _colliders(colliders: Iterable["ColliderFigures"], results: Sequence[MemoResult]) -> list[dict[str, Any]]:
     steps: dict[str, list[MemoResult]] = {}
-    for step in remembered:
+    for step in results:
         if step.kind == "mesh.collider":
             steps.setdefault(step.key["collider"], []).append(step)
-    rows, counted = [], set[str]()
+    rows, counted_keys = [], set[str]()
     for collider in colliders:
         own_steps = steps.get(collider.key, [])
-        seconds = 0.0 if collider.key in counted else sum(step.seconds for step in own_steps)
-        counted.add(collider.key)
+        seconds = 0.0 if collider.key in counted_keys else sum(step.seconds for step in own_steps)
+        counted_keys.add(collider.key)
         cached = all(step.cached for step in own_steps)
         rows.append({**_collider(collider), "seconds": round(seconds, 3), "cached": cached})
     return rows
@@ -81,8 +79,8 @@ def _collider(figures: "ColliderFigures") -> dict[str, Any]:
     row["tolerance"] = None if figures.tolerance is None else round(_MM_PER_M * figures.tolerance, 4)
     row["miss"] = None if figures.miss is None else round(figures.miss, 4)
     for name, value in measures.items():
-        of_length = name.startswith(("protrusion", "bareness"))
-        row[name] = round(_MM_PER_M * value, 4) if of_length else value
+        is_length = name.startswith(("protrusion", "bareness"))
+        row[name] = round(_MM_PER_M * value, 4) if is_length else value
     return row
 
 
@@ -112,16 +110,17 @@ def _pair(pair: "Exclude | Touch") -> dict[str, Any]:
     return {"links": [pair.link_a, pair.link_b], "depth": round(_MM_PER_M * pair.depth, 3)}
 
 
-def shown(context: "BuildContext") -> "Shown":
-    """Shows which parts get their colliders, and about how long the others will take."""
+def progress_of(context: "BuildContext") -> "Shown":
+    """Returns a function that shows which parts get their colliders, and about how long the others will
+    take."""
     start: float | None = None
 
     def show(running: Sequence[str], done: int, total: int) -> None:
         nonlocal start
         start = time.monotonic() if start is None else start
         remaining = time_left(time.monotonic() - start, done, total)
-        making = f": {', '.join(running)}" if running else ""
-        context.transient(f"colliders: {done} of {count(total, 'part')}{remaining}{making}")
+        names = f": {', '.join(running)}" if running else ""
+        context.transient(f"colliders: {done} of {count(total, 'part')}{remaining}{names}")
 
     return show
 

@@ -1,7 +1,7 @@
 """Finds the files of the motor library. Imports nothing heavy, since tab completion reads their names too.
 
-Linkwright's are in `conf/actuators/motors`, the user's own in `motors/` beside `robot/`. They are data, and
-not options of a group.
+Linkwright's motors are in `conf/actuators/motors`, the user's in `motors/` beside `robot/`. Their files are
+data, not options of a group.
 """
 
 import re
@@ -14,7 +14,7 @@ FOLDER = "motors"
 
 OURS = Path(__file__).resolve().parents[1] / "conf" / "actuators" / FOLDER
 
-_NAME = re.compile(r"\w[\w.+-]*")
+_NAME_PATTERN = re.compile(r"\w[\w.+-]*")
 
 
 def library(own_folders: Iterable[Path] = ()) -> dict[str, Path]:
@@ -23,7 +23,7 @@ def library(own_folders: Iterable[Path] = ()) -> dict[str, Path]:
     files_by_name: dict[str, Path] = {}
     for folder in (OURS, *(parent / FOLDER for parent in own_folders)):
         files = (folder / name for name in observed.yaml_files(folder))
-        files_by_name |= {file.stem: file for file in files if _NAME.fullmatch(file.stem)}
+        files_by_name |= {file.stem: file for file in files if _NAME_PATTERN.fullmatch(file.stem)}
     return dict(sorted(files_by_name.items()))
 
 

@@ -17,7 +17,7 @@ HYDRA_ONLY = {
 }
 """Options of Hydra that have no meaning here → what to do instead."""
 
-SHORT = {
+LONG_OPTIONS = {
     "-h": "--help", "-m": "--multirun", "-cd": "--config-dir", "-c": "--cfg", "-p": "--package",
     "-i": "--info", "-r": "--run", "-sc": "--shell-completion", "-cn": "--config-name",
     "-cp": "--config-path", "-v": "--verbose", "-q": "--quiet",
@@ -73,16 +73,16 @@ def parse(arguments: Sequence[str]) -> Command:
             command.overrides.append(argument)
             continue
         option, equal, value = argument.partition("=")
-        name = SHORT.get(option, option)
+        name = LONG_OPTIONS.get(option, option)
         if name in HELP:
             return Command(show=name[2:])
         reader = _OPTIONS.get(name)
         if reader is None:
             alternative = HYDRA_ONLY.get(name)
             msg = f"there is no option {option} here\n  → {alternative}" if alternative else ""
-            raise UsageError(msg or f"there is no option {option}\n  → {_without_dashes(option[2:])}")
+            raise UsageError(msg or f"there is no option {option}\n  → {_dash_hint(option[2:])}")
         reader(command, option, value if equal else None)
-    return command.done()
+    return command.finish()
 
 
 class _OptionReader:
@@ -134,17 +134,17 @@ class _OptionReader:
 
     def cfg(self, option: str, value: str | None) -> None:
         word = value or self._rest.value(option, "a word", f"{option} job")
-        self._show, self._subject = "cfg", _one_of(CFG, word, option)
+        self._show, self._subject = "cfg", _require_word(CFG, word, option)
 
     def info(self, option: str, value: str | None) -> None:
-        word = value or self._rest.one_of(INFO) or "all"
-        self._show, self._subject = "info", _one_of(INFO, word, option)
+        word = value or self._rest.take_word(INFO) or "all"
+        self._show, self._subject = "info", _require_word(INFO, word, option)
 
     def completion(self, option: str, value: str | None) -> None:
-        self._show = SHORT.get(option, option)[2:]
+        self._show = LONG_OPTIONS.get(option, option)[2:]
         self._subject = value if value is not None else next(self._rest, "")
 
-    def done(self) -> Command:
+    def finish(self) -> Command:
         """Returns the parsed command; raises UsageError for options that exclude each other."""
         if self._show != "cfg" and (self._package or self._resolve):
             msg = "--package and --resolve belong to --cfg\n  → linkwright --cfg job --resolve"
@@ -198,13 +198,14 @@ _OPTIONS: dict[str, Callable[[_OptionReader, str, str | None], None]] = {
 """Option → the method that reads it."""
 
 
-def _without_dashes(word: str) -> str:
+def _dash_hint(word: str) -> str:
+    """Returns a hint for an unknown option, which may be a key with dashes."""
     if word not in ("robot", "source", "mesh", "export", "output", "name", "until"):
         return "linkwright --help lists the options"
     return f"keys have no dashes: linkwright {word}=..."
 
 
-def _one_of(words: Sequence[str], word: str, option: str) -> str:
+def _require_word(words: Sequence[str], word: str, option: str) -> str:
     if word not in words:
         msg = f"{option} knows no {word}\n  → {option} {words[0]}, or one of: {', '.join(words)}"
         raise UsageError(msg)
@@ -226,12 +227,13 @@ class _Arguments:
         return self._arguments.pop(0)
 
     def value(self, option: str, thing: str, example: str) -> str:
+        """Takes the next argument, the value of an option; raises UsageError if there is none."""
         argument = next(self, "")
         if not argument:
             msg = f"{option} needs {thing}\n  → {example}"
             raise UsageError(msg)
         return argument
 
-    def one_of(self, words: Sequence[str]) -> str:
+    def take_word(self, words: Sequence[str]) -> str:
         """Takes the next argument if it is one of these words; else returns ""."""
         return next(self) if self._arguments and self._arguments[0] in words else ""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal
 
-from linkwright.pipeline.output.manifest import REPORT
+from linkwright.pipeline.output.manifest import REPORT_KEY
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
@@ -97,7 +97,7 @@ class Report:
 
     def to_json(self, secrets: Secrets | None = None) -> bytes:
         """Returns the content of `report.json`, with secrets blanked."""
-        tree = {REPORT: 1, **self.tree()}
+        tree = {REPORT_KEY: 1, **self.tree()}
         blanked = secrets.within(tree) if secrets else tree
         return printable_lines(json.dumps(blanked, indent=2, ensure_ascii=False)).encode() + b"\n"
 
@@ -122,20 +122,20 @@ def _check(check: Check) -> dict[str, Any]:
     return _shallow(check) | {"findings": [_shallow(finding) for finding in check.findings], "table": table}
 
 
-_PINNED = re.compile(r"/documents/\w+/[vm]/")
+_PINNED_URL = re.compile(r"/documents/\w+/[vm]/")
 """Matches the address of a version or of a microversion."""
 
 
-def spent(report: Report) -> list[str]:
+def call_lines(report: Report) -> list[str]:
     """Returns a line about the API calls of a build; [] if there were none."""
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
     if not made and not saved:
         return []
     year = report.calls.get("counted_this_year")
-    so_far = "" if year is None else f"; {year} counted for this key this year"
-    if not made and _PINNED.search(report.source.get("url") or ""):
-        so_far += "; source.url names a version, which no edit changes"
-    return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
+    remarks = "" if year is None else f"; {year} counted for this key this year"
+    if not made and _PINNED_URL.search(report.source.get("url") or ""):
+        remarks += "; source.url names a version, which no edit changes"
+    return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{remarks}"]
 
 
 def failure_lines(report: Report, folder: Path | None) -> list[str]:
@@ -143,7 +143,7 @@ def failure_lines(report: Report, folder: Path | None) -> list[str]:
     `folder`."""
     url = report.source.get("url")
     return [
-        *spent(report),
+        *call_lines(report),
         *([f"source: {url}"] if url else []),
         *([f"report: {Path(os.path.relpath(folder)) / 'report.html'}"] if folder else []),
     ]

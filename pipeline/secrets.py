@@ -62,13 +62,13 @@ class Secrets:
         """Returns a problem for each key of a configuration that contains a secret."""
         return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
 
-    def typed(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
+    def split_arguments(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
         """Returns the arguments of a command line without secrets, and a problem for each argument with
         one."""
         clean: list[str] = []
         problems: list[Diagnostic] = []
         for argument in arguments:
-            name = self._in(argument)
+            name = self._variable_in(argument)
             if name:
                 problems.append(self._problem(name, self.blanked(argument.partition("=")[0])))
             else:
@@ -78,7 +78,9 @@ class Secrets:
     def check(self, files: Mapping[str, bytes]) -> None:
         """Raises SecretFound if one of `files`, which are about to be written, contains a secret."""
         for path, data in files.items():
-            name = self._in(path) or next((name for _, raw, name in self._patterns if raw in data), "")
+            name = self._variable_in(path) or next(
+                (name for _, raw, name in self._patterns if raw in data), ""
+            )
             if name:
                 text = f"would hold the value of {name}; nothing was written"
                 hint = (
@@ -93,24 +95,24 @@ class Secrets:
         hint = "remove it: the key is read only from the environment or from .env"
         return Diagnostic("E-SECRET", text, where, hint)
 
-    def _in(self, text: str) -> str:
+    def _variable_in(self, text: str) -> str:
         """Returns the name of the variable whose value is in a text, or ""."""
         return next((name for secret, _, name in self._patterns if secret in text), "")
 
     def _leaks(self, tree: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
         """Yields the places of secrets in plain data, each with the name of its variable."""
         if isinstance(tree, str):
-            name = self._in(tree)
+            name = self._variable_in(tree)
             if name:
                 yield place, name
         elif isinstance(tree, Mapping):
             for key, value in tree.items():
-                inner = (*place, str(key))
-                name = self._in(str(key))
+                inner_place = (*place, str(key))
+                name = self._variable_in(str(key))
                 if name:
-                    yield inner, name
+                    yield inner_place, name
                 else:
-                    yield from self._leaks(value, inner)
+                    yield from self._leaks(value, inner_place)
         elif isinstance(tree, list | tuple):
             for index, value in enumerate(tree):
                 yield from self._leaks(value, (*place, index))
@@ -129,7 +131,7 @@ class Secrets:
 
 
 @contextlib.contextmanager
-def withheld(environ: MutableMapping[str, str] = os.environ) -> Iterator[None]:
+def withhold_keys(environ: MutableMapping[str, str] = os.environ) -> Iterator[None]:
     """Removes the API keys from the environment while the block runs, so that processes started in it do not
     get them. `Secrets` of this process still knows them."""
     removed_keys = {name: environ.pop(name) for name in PRIVATE if name in environ}

@@ -39,7 +39,7 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
     return decode_bundle(files)
 
 
-def named(bundle: "Bundle") -> dict[str, bytes]:
+def readable_files(bundle: "Bundle") -> dict[str, bytes]:
     """Returns the content of a bundle by readable names: the robot's file, or the request of a reply."""
     names = {digest: request for request, digest in bundle.requests.items()}
     manifest = {"root": dict(bundle.root), "requests": dict(bundle.requests)}

@@ -25,7 +25,7 @@ from typing import Any, TypeVar
 from linkwright.pipeline.caching import disk_space
 from linkwright.pipeline.caching.shared import UNREACHABLE_ERRORS, now, with_retries
 from linkwright.pipeline.digest import sha256
-from linkwright.pipeline.errors import FULL, CacheError, OutputError, reason
+from linkwright.pipeline.errors import DISK_FULL_TEXTS, CacheError, OutputError, reason
 from linkwright.pipeline.lock import acquired
 
 MAX_TEMPORARY_AGE = 24 * 3600.0
@@ -214,7 +214,7 @@ class Store:
             hint = "choose another with cache.dir=FOLDER or LINKWRIGHT_CACHE, or build with cache.mode=bypass"
             if error.errno in UNREACHABLE_ERRORS:
                 hint = "run it again when it is back; linkwright cache verify finds what a disk has lost"
-            if error.errno in FULL:
+            if error.errno in DISK_FULL_TEXTS:
                 hint = (
                     "free space there, for example with linkwright cache gc --max-size 1G, or choose another "
                     "folder with cache.dir=FOLDER or LINKWRIGHT_CACHE"

@@ -54,7 +54,7 @@ def compare_builds(
     """Compares the build in `folder` with a new build, whose `files` are not written yet. `outputs`: path →
     SHA-256; `checks`: the new results; `other_files`: paths of the new build that are not outputs. Files with
     equal digests are not read."""
-    before = manifest.ours(folder)
+    before = manifest.written_files(folder)
     if before is None or not manifest.is_folder(folder):
         return BuildChanges(first=True)
     no_outputs = {*manifest.DOCUMENTS, *other_files}

@@ -35,7 +35,7 @@ from linkwright.pipeline.config.overrides import Override, hydra_problem, read
 from linkwright.pipeline.config.partial import Draft
 from linkwright.pipeline.config.plain import plain
 from linkwright.pipeline.config.plan import Judge, Plan
-from linkwright.pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
+from linkwright.pipeline.config.presets import GROUPS, Presets, content, default_option, options_in
 from linkwright.pipeline.errors import ConfigError, Diagnostic, refusal
 from linkwright.pipeline.key_path import Place
 from linkwright.pipeline.secrets import Secrets
@@ -138,7 +138,7 @@ class Composer:
         self, arguments: Sequence[str], multirun: bool = False
     ) -> tuple[list[Override], list[Diagnostic]]:
         """Returns the overrides of a command line, and the problems of invalid arguments."""
-        clean, leaks = self._secrets.typed(arguments)
+        clean, leaks = self._secrets.split_arguments(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
         paths = [self._with_robot_option(argument) for argument in clean]
         overrides, problems = read(paths, GROUPS, self.reading.values, multirun, self._presets.own_groups())
@@ -156,7 +156,7 @@ class Composer:
         if sign.strip("+") or not value or value[0] in "[{":
             return argument
         words = [word.strip().strip("'\"") for word in value.split(",")]
-        options = [self._presets.named(word) for word in words]
+        options = [self._presets.option_of_path(word) for word in words]
         if not any(options):
             return argument
         texts = [quote_text(option) if option else word for option, word in zip(options, words, strict=True)]
@@ -170,7 +170,7 @@ class Composer:
         Raises a ConfigError that lists all problems; the `earlier` are those of the command line. An option
         that cannot be composed is replaced by the default of `build`, so that the rest is validated too.
         """
-        valid, invalid = self._presets.judged(overrides)
+        valid, invalid = self._presets.partition(overrides)
         draft = Draft.of(earlier, invalid)
         # An override that adds or deletes a key may fail; the rest is validated without it.
         safe = [override for override in valid if override.startswith("++") or override[0] not in "+~"]
@@ -242,7 +242,7 @@ class Composer:
                 group = (missing or "").rpartition("/")[0]
                 if group not in GROUPS or group == "robot" or group in stand_ins:
                     return None
-                stand_ins[group] = f"{group}={stand_in(group)}"
+                stand_ins[group] = f"{group}={default_option(group)}"
                 draft.ignored_groups.add(group)
             else:
                 self._arguments = arguments
@@ -253,7 +253,7 @@ class Composer:
     def _compose_rest(self, overrides: Sequence[str], draft: Draft) -> tuple[DictConfig, Mapping[str, Any]]:
         """Composes a tree without the robot's invalid defaults list, but with the keys of its file."""
         robots = [override.partition("=")[2] for override in overrides if override.startswith("robot=")]
-        own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}
+        own = self._presets.content("robot", options_in(robots[-1])[0]) if robots else {}
         own.pop("defaults", None)
         draft.ignored_groups |= {"robot", "source"}
         remaining = [override for override in overrides if not override.startswith("robot=")]
@@ -271,7 +271,7 @@ class Composer:
     def with_params(self, overrides: Sequence[Override], problems: Iterable[Diagnostic]) -> SweepRequest:
         """Adds the `hydra.sweeper.params` of files to a sweep's overrides; the command line wins."""
         own = [override for override in overrides if not override.for_hydra_itself]
-        valid, invalid = self._presets.judged([override.hydra for override in own if not override.swept])
+        valid, invalid = self._presets.partition([override.hydra for override in own if not override.swept])
         draft = Draft.of((), invalid)
         # An interpolation may name a key that is swept.
         first_jobs = [override.first for override in own]

@@ -94,10 +94,10 @@ def read(
     """
     overrides: list[Override] = []
     problems: list[Diagnostic] = []
-    for argument, words in suggested.joined(arguments):
+    for argument, words in suggested.join_arguments(arguments):
         if len(words) > 1:
             hint = suggested.command(arguments, multirun)
-            problems.append(Diagnostic(CODE, suggested.torn(argument), " ".join(words), hint))
+            problems.append(Diagnostic(CODE, suggested.split_message(argument), " ".join(words), hint))
         try:
             needs_plus = argument.partition("=")[0] in optional_groups
             override = _read(

@@ -46,13 +46,13 @@ RUN_KEYS = (
 are not part of a cache key."""
 
 
-def _module(name: str) -> str:
+def _check_module_name(name: str) -> str:
     if not all(part.isidentifier() for part in name.split(".")):
         raise invalid("must be the name of a module, such as my_checks or lab.checks")
     return name
 
 
-Module = Annotated[Text, AfterValidator(_module)]
+Module = Annotated[Text, AfterValidator(_check_module_name)]
 """The name of a module, with the packages around it."""
 
 
@@ -121,8 +121,8 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
         the rest. Problems of keys are left out if they may only follow from an earlier problem
         (`is_unsure`). `folders`: the user's folders, which contain `robot/` and may contain `motors/`.
         """
-        data, missing = with_motors(data, folders)
-        problems = [*earlier, *missing, *idle_entries(data)]
+        data, motor_problems = with_motors(data, folders)
+        problems = [*earlier, *motor_problems, *idle_entries(data)]
         plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))
@@ -130,7 +130,7 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
             places = {problem.where for problem in problems}
             invalid_keys = [problem for problem in diagnostics(error, cls) if problem.where not in places]
             problems += [problem for problem in invalid_keys if not is_unsure(problem)]
-            plan = cls._of_the_rest(data, [details["loc"] for details in error.errors()])
+            plan = cls._without_invalid_sections(data, [details["loc"] for details in error.errors()])
         if plan is not None and not problems:
             return plan
         if plan is not None and judge is not None:
@@ -138,7 +138,7 @@ class Plan(FetchSections, GraphSections, MeshSections, ExportSections, ValidateS
         raise refusal(problems)
 
     @classmethod
-    def _of_the_rest(
+    def _without_invalid_sections(
         cls, data: Mapping[str, Any], invalid_places: Iterable[Sequence[int | str]]
     ) -> "Plan | None":
         """Returns the plan without its invalid sections, or None if the rest is invalid too."""

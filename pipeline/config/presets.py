@@ -24,11 +24,11 @@ OURS = Path(linkwright.conf.__file__).parent
 GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glob("*.yaml"))))
 """The groups that a robot chooses from, and `robot` itself."""
 
-SEVERAL = ("export", "target")
+MULTIPLE_GROUPS = ("export", "target")
 """Groups of which several options can be chosen at once."""
 
-_PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
-"""The head of a file that states its place in the tree."""
+_PACKAGE_HEADER = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
+"""The start of a file whose header names its place in the tree."""
 
 
 class Presets:
@@ -36,8 +36,8 @@ class Presets:
 
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
         """Includes `./robot/` if it exists. Raises ConfigError if one of `config_dirs` is not a folder."""
-        self._here, dirs = cwd or Path.cwd(), list(config_dirs)
-        here = self._here
+        self._cwd, dirs = cwd or Path.cwd(), list(config_dirs)
+        here = self._cwd
         folders = [here] if any(observed.is_folder(here / group) for group in ("robot", EXPERIMENT)) else []
         named_folders = []
         self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
@@ -45,16 +45,16 @@ class Presets:
             folder = here / Path(named).expanduser()
             _check_place(folder, str(named))
             named_folders.append(observed.real_path(folder))
-        self.given = tuple(dict.fromkeys(folder for folder in named_folders if folder != OURS))
+        self.config_folders = tuple(dict.fromkeys(folder for folder in named_folders if folder != OURS))
         """The folders of `config_dirs`, whose launchers are trusted."""
         own = [*map(observed.real_path, folders), *named_folders]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
-    def named(self, value: str) -> str | None:
+    def option_of_path(self, value: str) -> str | None:
         """Returns the option of a robot's file if `value` is its path, relative to `conf/robot`, so that
         Hydra finds it anywhere. Adds the folder of the file, or the parent of `robot/`, to `own`."""
         path = Path(value).expanduser()
-        file = self._here / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
+        file = self._cwd / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
         by_path = path.suffix == ".yaml" or "/" in value
         if not by_path or (path.suffix != ".yaml" and self.files("robot", value)):
             return None
@@ -87,7 +87,7 @@ class Presets:
     @property
     def with_motors(self) -> tuple[Path, ...]:
         """The folders that may hold motors: also where the user works, without a `robot/` there."""
-        here = observed.real_path(self._here)
+        here = observed.real_path(self._cwd)
         return tuple(dict.fromkeys([*([here] if observed.is_folder(here / MOTORS) else []), *self.own]))
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
@@ -108,8 +108,8 @@ class Presets:
         """Returns the content of the files that several robots share: our bases of robots, and files of all
         groups except robot and experiment. `files`: path in the search path → content, of a composed tree."""
         bases = {path for path in ("robot/bare", "robot/legged") if not self.own_files([path])}
-        strict = {path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)} - bases
-        return [tree for path, tree in files.items() if isinstance(tree, Mapping) and path not in strict]
+        own_paths = {path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)} - bases
+        return [tree for path, tree in files.items() if isinstance(tree, Mapping) and path not in own_paths]
 
     def problem(self, group: str, option: str) -> Diagnostic | None:
         """Returns the problem of a choice of an option, or None."""
@@ -119,22 +119,22 @@ class Presets:
             return Diagnostic("E-OPTION", text, f"{group}={option}", "rename a file of your own")
         return None if files else self.unknown(group, option)
 
-    def judged(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
+    def partition(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
         """Returns the overrides whose options exist, and the problems of the others, by group."""
-        good, bad = [], {}
+        valid, problems_by_group = [], {}
         for override in overrides:
             group, _, value = override.lstrip("+~").partition("=")
             chooses = group in GROUPS and not override.startswith(("++", "~")) and value[:1] != "{"
             problems = self._problems(group, value) if chooses else []
             if problems:
-                bad[group] = problems
+                problems_by_group[group] = problems
             else:
-                good.append(override)
-        return good, bad
+                valid.append(override)
+        return valid, problems_by_group
 
     def _problems(self, group: str, value: str) -> list[Diagnostic]:
-        options = chosen(value)
-        is_list = value.startswith("[") and group in SEVERAL
+        options = options_in(value)
+        is_list = value.startswith("[") and group in MULTIPLE_GROUPS
         if not is_list and (len(options) != 1 or value.startswith("[")):
             hint = f"options: {', '.join(self.options(group))}"
             return [Diagnostic("E-OPTION", "expected one option", f"{group}={value}", hint)]
@@ -148,7 +148,7 @@ class Presets:
     def _section(self, group: str, option: str) -> dict[str, Any]:
         """Returns the keys that an option sets in its group; {} if its file belongs elsewhere in the tree."""
         files = self.files(group, option)
-        if not files or _PACKAGED.match(files[0].read_text(encoding="utf-8", errors="replace")):
+        if not files or _PACKAGE_HEADER.match(files[0].read_text(encoding="utf-8", errors="replace")):
             return {}
         return {key: value for key, value in content(files[0]).items() if key != "defaults"}
 
@@ -163,25 +163,25 @@ class Presets:
         presets: dict[str, dict[str, Any]] = {}
         keys: set[str] = set()
         explicit_groups: set[str] = set()
-        several = {group: tuple(_below(group, paths)) for group in SEVERAL}
+        several = {group: tuple(_options_among(group, paths)) for group in MULTIPLE_GROUPS}
         groups = self.own_groups()
         experiments = [path.partition("/")[2] for path in paths if path.startswith(f"{EXPERIMENT}/")]
         for file in self.own_files(path for path in paths if path.partition("/")[0] in groups):
             experiment = content(file)
             for group, option in _overridden(experiment.pop("defaults", None)):
-                if group in SEVERAL:
+                if group in MULTIPLE_GROUPS:
                     explicit_groups.add(group)
                 elif group in GROUPS and group != "robot":
                     presets[group] = self._section(group, option)
-            keys |= {key_of(place) for place in ends(experiment)}
+            keys |= {key_of(place) for place in leaf_places(experiment)}
         for text in overrides:
             key, _, value = text.lstrip("+~").partition("=")
             if key not in GROUPS or text.startswith("+"):
                 keys.add(key)
-            elif key in SEVERAL:
+            elif key in MULTIPLE_GROUPS:
                 explicit_groups.add(key)
             elif key != "robot" and not text.startswith("~"):
-                presets[key] = self._section(key, chosen(value)[0])
+                presets[key] = self._section(key, options_in(value)[0])
         sets = frozenset(keys), frozenset(explicit_groups)
         return Choices(robot, several, tuple(experiments), presets, *sets)
 
@@ -213,27 +213,28 @@ class Presets:
         noun = "robot" if group == "robot" else "option"
         hint, is_yaml = f"{noun}s: {', '.join(options)}", option.endswith((".yaml", ".yml"))
         if group == "robot" and (is_yaml or "/" in option):
-            if (self._here / option).is_file() and not is_yaml:
+            if (self._cwd / option).is_file() and not is_yaml:
                 hint = "a URDF or an MJCF is a source: source=urdf source.path=arm.urdf"
                 return Diagnostic("E-OPTION", "a robot's file is YAML: its name ends in .yaml", where, hint)
-            return Diagnostic("E-OPTION", "there is no such file", where, self._near(option, options))
+            return Diagnostic("E-OPTION", "there is no such file", where, self._path_hint(option, options))
         hint = f"{nearest(option.removesuffix('.yaml').rpartition('/')[2], options)} {hint}".lstrip()
         if group == "robot":
             places = " and ".join(str(folder / "robot") for folder in self.own)
-            hint += f"; your own: {places}" if places else f"; there is no folder {self._here}/robot"
+            hint += f"; your own: {places}" if places else f"; there is no folder {self._cwd}/robot"
             misnamed = [file for folder in self.own for file in (folder / "robot").glob(f"{option}.yml")]
             if misnamed:
                 hint = f"{misnamed[0]} must end in .yaml"
         return Diagnostic("E-OPTION", f"there is no such {noun}", where, hint)
 
-    def _near(self, path: str, options: Iterable[str]) -> str:
-        """Suggestions for the path of a robot's file that does not exist."""
-        near = nearest(Path(path).stem, options)
-        other = (self._here / path).with_suffix(".yaml")
-        if path.endswith(".yml") and (self._here / path).is_file():
+    def _path_hint(self, path: str, options: Iterable[str]) -> str:
+        """Returns a hint for the path of a robot's file that does not exist."""
+        suggestion = nearest(Path(path).stem, options)
+        other = (self._cwd / path).with_suffix(".yaml")
+        if path.endswith(".yml") and (self._cwd / path).is_file():
             return f"rename it: mv {pasted.line([path, other.name])}"
         places = " and ".join(str(folder / "robot") for folder in self.own)
-        return f"{near} paths start at {self._here}{f'; robots by name: {places}' if places else ''}".strip()
+        named_robots = f"; robots by name: {places}" if places else ""
+        return f"{suggestion} paths start at {self._cwd}{named_robots}".strip()
 
     def not_utf8(self) -> Path | None:
         """Returns a file of the user's own that cannot be read as text."""
@@ -256,7 +257,7 @@ def content(file: Path) -> dict[str, Any]:
     return tree if isinstance(tree, dict) else {}
 
 
-def _below(group: str, paths: Iterable[str]) -> Iterator[str]:
+def _options_among(group: str, paths: Iterable[str]) -> Iterator[str]:
     """Returns the options of a group among the files of a composed tree."""
     return (path.removeprefix(f"{group}/") for path in paths if path.startswith(f"{group}/"))
 
@@ -289,16 +290,16 @@ def _overridden(defaults: Any) -> Iterator[tuple[str, str]]:
                 yield group.strip().lstrip("/"), text
 
 
-def ends(tree: Any, place: Place = ()) -> Iterator[Place]:
+def leaf_places(tree: Any, place: Place = ()) -> Iterator[Place]:
     """Yields the places of all values below mappings."""
     if isinstance(tree, dict) and tree:
         for name, value in tree.items():
-            yield from ends(value, (*place, str(name)))
+            yield from leaf_places(value, (*place, str(name)))
     else:
         yield place
 
 
-def stand_in(group: str) -> str:
+def default_option(group: str) -> str:
     """Returns the default option of a group in `build`; for the source, the sample."""
     defaults = yaml.safe_load((OURS / "build.yaml").read_text(encoding="utf-8"))["defaults"]
     options = {key: option for entry in defaults if isinstance(entry, dict) for key, option in entry.items()}
@@ -306,7 +307,7 @@ def stand_in(group: str) -> str:
     return f"[{','.join(option)}]" if isinstance(option, list) else str(option)
 
 
-def chosen(value: str) -> Sequence[str]:
+def options_in(value: str) -> Sequence[str]:
     """Returns the options that the value of a group's override names: `hull`, `[urdf, mjcf]`."""
     text = value.strip()
     inside = text[1:-1] if text.startswith("[") and text.endswith("]") else text

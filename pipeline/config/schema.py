@@ -12,7 +12,7 @@ from linkwright.stages.robot.section import Section
 
 
 def field_at(owner: Any, name: int | str) -> FieldInfo | None:
-    """Returns the field with a name in the tree; None if `owner` is no section or has no such field."""
+    """Returns the field with a name in the tree; None if `owner` is not a section or has no such field."""
     fields = owner.model_fields.items() if is_section(owner) else ()
     return next((field for key, field in fields if (field.alias or key) == name), None)
 
@@ -29,27 +29,27 @@ def is_section(annotation: Any) -> bool:
 
 def annotation_at(root: Any, place: Place) -> Any:
     """Returns the annotation at a place: a section, or a type."""
-    node = _bare(root)
+    node = _core_type(root)
     for part in place:
         if is_section(node):
             field = field_at(node, part)
-            node = _bare(field.annotation) if field else Any
+            node = _core_type(field.annotation) if field else Any
         elif get_origin(node) is dict:
-            node = _bare(get_args(node)[1])
+            node = _core_type(get_args(node)[1])
         elif get_origin(node) is tuple:
-            node = _bare(get_args(node)[0])
+            node = _core_type(get_args(node)[0])
         else:
             return Any
     return node
 
 
-def _bare(annotation: Any) -> Any:
+def _core_type(annotation: Any) -> Any:
     """Removes `Annotated` and `| None` from a type."""
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if get_origin(annotation) in (Union, types.UnionType):
         options = [argument for argument in get_args(annotation) if argument is not type(None)]
-        return _bare(options[0]) if len(options) == 1 else annotation
+        return _core_type(options[0]) if len(options) == 1 else annotation
     return annotation
 
 
@@ -62,7 +62,7 @@ def leaves(root: Any, place: Place = ()) -> Iterator[str]:
     """Yields all full keys below a section; for the source, the keys of all its kinds."""
     for section in SOURCES.values() if place == ("source",) else (root,):
         for name in names(section):
-            inner, below = (*place, name), annotation_at(section, (name,))
-            yield key_of(inner)
-            if inner == ("source",) or is_section(below):
-                yield from leaves(below, inner)
+            inner_place, annotation = (*place, name), annotation_at(section, (name,))
+            yield key_of(inner_place)
+            if inner_place == ("source",) or is_section(annotation):
+                yield from leaves(annotation, inner_place)

@@ -17,10 +17,10 @@ HOST = "https://cad.onshape.com"
 _REQUEST = "documents?filter=0&limit=1"
 """The smallest request that needs the permission to read."""
 
-_OFFLINE = "a document of Onshape needs one; the sample, a bundle, a URDF and an MJCF need none"
+_KEY_NEED = "a document of Onshape needs one; the sample, a bundle, a URDF and an MJCF need none"
 
 
-def examined(
+def examine(
     environ: Mapping[str, str], cache: Path, url: str, *, online: bool
 ) -> Iterator[ExaminationResult]:
     """Yields the rows about the access to Onshape. `cache`: the folder in which API calls are counted; `url`:
@@ -33,7 +33,7 @@ def examined(
     except ConfigError as error:
         # Without any key nothing is broken: most sources need none.
         state: State = "wrong" if credentials.known_secrets(environ) else "note"
-        yield ExaminationResult("key", state, f"{error.message}: {_OFFLINE}", error.hint)
+        yield ExaminationResult("key", state, f"{error.message}: {_KEY_NEED}", error.hint)
         return
     calls = count(Ledger(cache / FOLDER, key.owner_id).counted(), "call")
     kind = "a bearer token" if key.kind == "bearer" else "a pair of keys"

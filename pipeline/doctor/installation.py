@@ -26,14 +26,14 @@ EXTRAS = {
 """Extra → its purpose. The extras for the project's own tests are left out."""
 
 _PROBE = "linkwright.stages.mujoco.probe"
-_PATIENCE = 60
+_MAX_SECONDS = 60
 """Time [s] that MuJoCo may take to answer."""
 
 _EXTRA = re.compile(r"""extra\s*==\s*["']([^"']+)["']""")
 _REINSTALL = "install Linkwright again, in a fresh virtual environment"
 
 
-def examined() -> Iterator[ExaminationResult]:
+def examine() -> Iterator[ExaminationResult]:
     """Yields the rows about the installation."""
     system = f"{platform.system()} {platform.machine()}"
     yield ExaminationResult("python", "ok", f"{platform.python_version()} on {system}: {sys.executable}")
@@ -89,11 +89,11 @@ def _mujoco() -> ExaminationResult:
     # In a process of its own: a library that does not suit this processor ends the process that loads it.
     try:
         process = subprocess.run(
-            [sys.executable, "-m", _PROBE], capture_output=True, text=True, check=False, timeout=_PATIENCE
+            [sys.executable, "-m", _PROBE], capture_output=True, text=True, check=False, timeout=_MAX_SECONDS
         )
     except subprocess.TimeoutExpired:
-        return ExaminationResult("mujoco", "wrong", f"it did not answer within {_PATIENCE} s", _REINSTALL)
+        return ExaminationResult("mujoco", "wrong", f"it did not answer within {_MAX_SECONDS} s", _REINSTALL)
     if process.returncode:
-        last = (process.stderr.strip().splitlines() or [f"exit status {process.returncode}"])[-1]
-        return ExaminationResult("mujoco", "wrong", f"it does not run: {last}", _REINSTALL)
+        last_line = (process.stderr.strip().splitlines() or [f"exit status {process.returncode}"])[-1]
+        return ExaminationResult("mujoco", "wrong", f"it does not run: {last_line}", _REINSTALL)
     return ExaminationResult("mujoco", "ok", f"{process.stdout.strip()} compiles and moves a model")

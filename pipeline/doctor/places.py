@@ -9,11 +9,11 @@ from pathlib import Path
 from linkwright.pipeline.caching.disk_space import MIN_FREE_BYTES, reserved
 from linkwright.pipeline.doctor.examination import ExaminationResult
 
-MIN_FREE = 2 * 10**9
+LARGE_BUILD_BYTES = 2 * 10**9
 """Free space [bytes] that the build of a large robot may need."""
 
 
-def examined(environ: Mapping[str, str], cache: Path) -> Iterator[ExaminationResult]:
+def examine(environ: Mapping[str, str], cache: Path) -> Iterator[ExaminationResult]:
     """Yields the rows about the places that builds write to, and about the display."""
     yield _folder("cache", cache, "set cache.dir= or LINKWRIGHT_CACHE to a folder that you can write to")
     yield _folder("outputs", Path("outputs").resolve(), "work in a folder that you can write to")
@@ -34,7 +34,7 @@ def _folder(subject: str, folder: Path, hint: str) -> ExaminationResult:
             subject, "wrong", f"{folder} cannot be written to: {error.strerror or error}", hint
         )
     detail = f"{folder}, {free_bytes / 10**9:.1f} GB free"
-    if free_bytes < MIN_FREE:
+    if free_bytes < LARGE_BUILD_BYTES:
         return ExaminationResult(subject, "note", detail, "linkwright cache gc frees space")
     return ExaminationResult(subject, "ok", detail)
 

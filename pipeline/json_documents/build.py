@@ -15,7 +15,7 @@ ROLES = {"report": "report.json", "page": "report.html", "config": "config.yaml"
 """Role of a document about a build → its name, as in `pipeline.output.manifest.DOCUMENTS`."""
 
 _ROBOT = "robot.json"
-_ASSETS = "assets"
+_ASSET_FOLDER = "assets"
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def _paths(report: Report) -> dict[str, str]:
 
 
 def _files(outputs: Iterable[str]) -> list[str]:
-    return [path for path in outputs if _ASSETS not in PurePath(path).parts[:-1]]
+    return [path for path in outputs if _ASSET_FOLDER not in PurePath(path).parts[:-1]]
 
 
 def _summary(check: Check) -> CheckSummary:

@@ -1,4 +1,4 @@
-"""Defines what all documents have in common, and writes a document as text."""
+"""Defines the base class of all documents, and writes a document as text."""
 
 import json
 import math
@@ -32,6 +32,7 @@ def text_of(document: CommandDocument) -> str:
 
 
 def _finite(value: Any) -> Any:
+    """Returns plain data with None in place of infinite numbers and NaN."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):

@@ -40,8 +40,8 @@ class ErrorDocument(CommandDocument):
 def error_document(
     error: BaseException, status: int, verb: str, *, message: str, hint: str, whole: bool
 ) -> ErrorDocument:
-    """Returns the document of a command that `error` ended. `message` and `hint`: the texts of an error that
-    is none of Linkwright's own; `whole`: whether to list all problems of a stage."""
+    """Returns the document of a command that `error` ended. `message` and `hint`: the texts of an error whose
+    class is not Linkwright's; `whole`: whether to list all problems of a stage."""
     problems = tuple(getattr(error, "problems", ()))
     return ErrorDocument(
         exit_status=status,

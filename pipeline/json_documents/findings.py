@@ -33,15 +33,15 @@ class DiagnosticDocument:
 def worst(diagnostics: Iterable[Diagnostic], *, whole: bool) -> tuple[DiagnosticDocument, ...]:
     """Returns errors, then warnings, at most MAX_DIAGNOSTICS of each code, and more if they have YAML to
     paste; if `whole`, all diagnostics."""
-    numbers: dict[str, int] = {}
-    chosen = []
+    counts_by_code: dict[str, int] = {}
+    selection = []
     for diagnostic in diagnostics:
-        numbers[diagnostic.code] = number = numbers.get(diagnostic.code, 0) + 1
+        counts_by_code[diagnostic.code] = number = counts_by_code.get(diagnostic.code, 0) + 1
         is_grave = diagnostic.level != "info" and (number <= MAX_DIAGNOSTICS or "\n" in diagnostic.hint)
         if whole or is_grave:
-            chosen.append(diagnostic)
-    chosen.sort(key=lambda diagnostic: _LEVELS.index(diagnostic.level))
-    return tuple(map(_document, chosen))
+            selection.append(diagnostic)
+    selection.sort(key=lambda diagnostic: _LEVELS.index(diagnostic.level))
+    return tuple(map(_document, selection))
 
 
 def counts(diagnostics: Iterable[Diagnostic]) -> dict[str, int]:

@@ -10,7 +10,7 @@ from linkwright.pipeline.new_robot.joint_table import WHEEL, JointRow
 from linkwright.stages.robot.model.robot import Link, Robot
 from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
 
-FOOT = "*[Ff]oot*"
+FOOT_GLOB = "*[Ff]oot*"
 """The glob of feet in `conf/robot/legged.yaml`."""
 
 GRIPPER_WORDS = ("finger", "jaw", "gripper", "claw")
@@ -19,8 +19,8 @@ GRIPPER_WORDS = ("finger", "jaw", "gripper", "claw")
 GRIPPER_CONTACT = {"friction": [1.2, 0.02, 0.0001], "condim": 4}
 """Contact of links that hold things: what they hold neither slips nor spins about the contact's normal."""
 
-_HEAVY = 8.0
-"""Mass [kg] from which on the gains of `conf/actuators/legged.yaml` are right."""
+_MIN_LEGGED_MASS = 8.0
+"""Least mass [kg] of a robot for which the gains of `conf/actuators/legged.yaml` are right."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,19 +41,19 @@ class RobotChoices:
     geoms_reason: str = ""
 
 
-def chosen(
-    robot: Robot, rows: Sequence[JointRow], kind: str, *, weighed: bool, as_the_peer: bool = False
+def choose(
+    robot: Robot, rows: Sequence[JointRow], kind: str, *, has_masses: bool, for_peer: bool = False
 ) -> RobotChoices:
     """Returns the choices for a robot from a `kind` of source.
 
-    `weighed`: whether its masses are known. `as_the_peer`: whether it is to be as onshape-to-robot makes
-    it: the base is fixed only if CAD fixes it, and joints and parts have no choices of ours.
+    `has_masses`: whether its masses are known. `for_peer`: whether the robot must equal that of
+    onshape-to-robot: the base is fixed only if CAD fixes it, and joints and parts get no choices of ours.
     """
-    base, base_reason = _base(robot, rows, kind, as_the_peer)
+    base, base_reason = _base(robot, rows, kind, for_peer)
     actuators, actuators_reason = _actuators(robot, rows)
-    if as_the_peer:
+    if for_peer:
         return RobotChoices(base, base_reason, actuators, actuators_reason)
-    entries, entries_reason = _entries(robot, rows, base, weighed) if actuators == "position" else ({}, "")
+    entries, entries_reason = _entries(robot, rows, base, has_masses) if actuators == "position" else ({}, "")
     geoms, geoms_reason = _geoms(robot, kind)
     return RobotChoices(
         base, base_reason, actuators, actuators_reason, entries, entries_reason, geoms, geoms_reason
@@ -61,47 +61,49 @@ def chosen(
 
 
 def _base(
-    robot: Robot, rows: Sequence[JointRow], kind: str, as_the_peer: bool
+    robot: Robot, rows: Sequence[JointRow], kind: str, for_peer: bool
 ) -> tuple[Literal["auto", "fixed", "legged"], str]:
     is_fixed = robot.base.fixed
-    standing = f"{'fixed' if is_fixed else 'free'}: {robot.base.reason}"
-    feet = [link.name for link in robot.links if _is_called(link, FOOT)]
-    if kind == "mjcf" or as_the_peer:
-        return "auto", f"the base is {standing}"
+    base_text = f"{'fixed' if is_fixed else 'free'}: {robot.base.reason}"
+    feet = [link.name for link in robot.links if _is_called(link, FOOT_GLOB)]
+    if kind == "mjcf" or for_peer:
+        return "auto", f"the base is {base_text}"
     if len(feet) > 1:
-        overruled = f"; in the source it is {standing}" if is_fixed else ""
+        contrast = f"; in the source it is {base_text}" if is_fixed else ""
         reason = (
             f"these links look like feet, so the base is free, and the feet do not slip: {name_list(feet)}"
         )
-        return "legged", reason + overruled
-    wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
+        return "legged", reason + contrast
+    wheels = [row.name for row in rows if row.is_drivable and WHEEL.search(row.name)]
     if is_fixed or not rows:
-        return "auto", f"the base is {standing}"
+        return "auto", f"the base is {base_text}"
     if wheels:
-        return "auto", f"the base is {standing}; it has wheels: {name_list(wheels)}"
-    silence = "a URDF does not say whether the base is fixed" if kind == "urdf" else "CAD fixes no part"
-    return "fixed", f"{silence}, and no name has foot or wheel in it; with free it could move"
+        return "auto", f"the base is {base_text}; it has wheels: {name_list(wheels)}"
+    missing_fact = "a URDF does not say whether the base is fixed" if kind == "urdf" else "CAD fixes no part"
+    return "fixed", f"{missing_fact}, and no name has foot or wheel in it; with free it could move"
 
 
 def _actuators(robot: Robot, rows: Sequence[JointRow]) -> tuple[Literal["none", "position"], str]:
     if robot.actuators:
         return "none", "the actuators of the source stay"
-    if not any(row.driven for row in rows):
+    if not any(row.is_drivable for row in rows):
         return "none", "there is no joint to drive"
     return "position", "servos that hold a value, stiff enough for the robot's weight"
 
 
-def _entries(robot: Robot, rows: Sequence[JointRow], base: str, weighed: bool) -> tuple[dict[str, Any], str]:
+def _entries(
+    robot: Robot, rows: Sequence[JointRow], base: str, has_masses: bool
+) -> tuple[dict[str, Any], str]:
     """Returns entries of the key `actuators`, and the reason."""
     entries: dict[str, Any] = {}
     reasons = []
     mass = sum(link.inertial.mass for link in robot.links)
-    if base == "legged" and weighed and mass < _HEAVY:
+    if base == "legged" and has_masses and mass < _MIN_LEGGED_MASS:
         entries["*"] = {"kp": None, "kv": None}
         reasons.append(
             f"gains by the weight of the robot ({mass:.3g} kg): those of legged are for 13 kg and more"
         )
-    wheels = [row.name for row in rows if row.driven and WHEEL.search(row.name)]
+    wheels = [row.name for row in rows if row.is_drivable and WHEEL.search(row.name)]
     if wheels:
         entries |= {exact_glob(name): {"type": "velocity"} for name in wheels}
         reasons.append("wheels hold a speed")

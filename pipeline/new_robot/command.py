@@ -16,7 +16,7 @@ from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.json_documents.findings import worst
 from linkwright.pipeline.json_documents.new import NewDocument, NewJointDocument
 from linkwright.pipeline.new_robot import robot_file
-from linkwright.pipeline.new_robot.choices import chosen
+from linkwright.pipeline.new_robot.choices import choose
 from linkwright.pipeline.new_robot.joint_table import joint_table
 from linkwright.pipeline.new_robot.peer_config import PeerConfig, read
 from linkwright.pipeline.new_robot.peer_options import PEER_KEYS, converted
@@ -82,7 +82,7 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int | C
         progress.close()
     name = robot_name(name, source, mechanism.title)
     path = _require_free(request, name)
-    robot = described(request, NewRobot(name, source), mechanism, peer)
+    robot = complete_robot(request, NewRobot(name, source), mechanism, peer)
     text = robot_file.text(robot)
     Secrets(environ).check({str(path): text.encode()})
     _write(path, text)
@@ -92,10 +92,10 @@ def run(request: NewRequest, environ: Mapping[str, str] = os.environ) -> int | C
     return 0
 
 
-def described(
+def complete_robot(
     request: NewRequest, draft: NewRobot, mechanism: FetchedMechanism, peer: PeerConfig | None
 ) -> NewRobot:
-    """Returns a robot with all that its file says. The problems are those of the file itself: its own text is
+    """Returns the draft with all that its file says. Its problems are those of the finished file: the text is
     composed, and the graph stage runs with it."""
     tree = {"name": draft.name, "source": draft.source, **(PEER_KEYS if peer else {})}
     survey = survey_mechanism(mechanism, _plan(request, tree))
@@ -109,10 +109,10 @@ def described(
             f"{peer.place}: its options are converted once these problems are solved: write the file again"
         )
         robot = replace(robot, converted=PEER_KEYS, remarks=[remark])
-    final = survey_mechanism(
+    final_survey = survey_mechanism(
         mechanism, _plan(request, {"name": robot.name, **yaml.safe_load(robot_file.text(robot))})
     )
-    return replace(robot, problems=final.problems)
+    return replace(robot, problems=final_survey.problems)
 
 
 def _with_findings(
@@ -120,11 +120,11 @@ def _with_findings(
 ) -> NewRobot:
     """Returns a robot with its joints, the choices for it, and the keys of another tool's configuration."""
     assert survey.robot is not None
-    weighed = mechanism.has_masses and not survey.problems
+    has_masses = mechanism.has_masses and not survey.problems
     kind = mechanism.bundle.kind
     rows = joint_table(survey.robot, kind)
-    choices = chosen(survey.robot, rows, kind, weighed=weighed, as_the_peer=peer is not None)
-    robot = replace(draft, rows=rows, choices=choices, summary=_summary(survey.robot, weighed))
+    choices = choose(survey.robot, rows, kind, has_masses=has_masses, for_peer=peer is not None)
+    robot = replace(draft, rows=rows, choices=choices, summary=_summary(survey.robot, has_masses))
     if peer is None:
         return robot
     conversion = converted(peer, survey.robot, rows)
@@ -137,10 +137,10 @@ def _with_findings(
     )
 
 
-def _summary(robot: Robot, weighed: bool) -> str:
+def _summary(robot: Robot, has_masses: bool) -> str:
     counts = {"link": len(robot.links), "joint": len(robot.joints), "loop": len(robot.loops)}
     nouns = [count(number, noun) for noun, number in counts.items() if number or noun != "loop"]
-    mass = [kilograms(sum(link.inertial.mass for link in robot.links))] if weighed else []
+    mass = [kilograms(sum(link.inertial.mass for link in robot.links))] if has_masses else []
     return ", ".join([*nouns, *mass])
 
 

@@ -11,14 +11,14 @@ from linkwright.stages.show.graph_view.labels import limits, rules
 WHEEL = re.compile("wheel", re.IGNORECASE)
 """Part of the names of joints that turn without end."""
 
-_LIMITS = {"turn": 1.57, "slide": 0.1}
-"""Limits to fill in, from the saved value [rad or m]."""
+_LIMIT_REACHES = {"turn": 1.57, "slide": 0.1}
+"""Distance of proposed limits from the saved value [rad or m]."""
 
-_EFFORT = {"turn": 10, "slide": 100}
-"""Effort to fill in [N m or N]."""
+_EFFORTS = {"turn": 10, "slide": 100}
+"""Proposed effort [N m or N]."""
 
-_VELOCITY = {"turn": 3, "slide": 0.2}
-"""Velocity to fill in [rad/s or m/s]."""
+_VELOCITIES = {"turn": 3, "slide": 0.2}
+"""Proposed velocity [rad/s or m/s]."""
 
 _UNITS = {"turn": "rad", "slide": "m", "ball": "rad", "free": ""}
 
@@ -48,16 +48,16 @@ class JointRow:
     """Why its limits are not known."""
 
     @property
-    def driven(self) -> bool:
+    def is_drivable(self) -> bool:
         """Whether an actuator can drive it."""
-        return self.kind in _LIMITS and not self.follows and not self.loop
+        return self.kind in _LIMIT_REACHES and not self.follows and not self.loop
 
     @property
     def text(self) -> str:
         """Its range, or what it does instead of moving within one."""
         if self.loop:
             return "closes a loop"
-        text = "no limits" if self.range == "free" and self.kind in _LIMITS else self.range
+        text = "no limits" if self.range == "free" and self.kind in _LIMIT_REACHES else self.range
         text = f"{text} ({self.note})" if self.note else text
         return f"{text}, follows: {self.follows}" if self.follows else text
 
@@ -65,8 +65,8 @@ class JointRow:
 def joint_table(robot: Robot, kind: str) -> tuple[JointRow, ...]:
     """Returns the rows of all joints that move, in tree order, and then those that close loops.
 
-    `kind`: that of the source. An MJCF says what it wants to say about its joints, so only limits can be
-    missing."""
+    `kind`: the kind of source. An MJCF may leave out effort and velocity on purpose, so there only limits can
+    be missing."""
     followers = rules(robot)
     rows = [
         _row(dof, joint.type, followers.get(dof.name, ""), limits_only=kind == "mjcf")
@@ -96,18 +96,18 @@ def _row(dof: Dof, joint_type: str, follows: str, *, limits_only: bool) -> Joint
 
 def _missing(dof: Dof, *, limits_only: bool) -> dict[str, Any]:
     """Returns the keys that the source gives no value, with values to fill in."""
-    if dof.kind not in _LIMITS or not isinstance(dof.saved, float):
+    if dof.kind not in _LIMIT_REACHES or not isinstance(dof.saved, float):
         return {}
     keys: dict[str, Any] = {}
-    endless = (dof.limits.lower, dof.limits.upper) == (None, None)
-    if endless and not dof.limits.origin.unknown and not WHEEL.search(dof.name):
+    is_unlimited = (dof.limits.lower, dof.limits.upper) == (None, None)
+    if is_unlimited and not dof.limits.origin.unknown and not WHEEL.search(dof.name):
         middle = dof.mate_value.of(dof.saved)
-        reach = _LIMITS[dof.kind]
+        reach = _LIMIT_REACHES[dof.kind]
         keys["limits"] = [round(middle - reach, 3), round(middle + reach, 3)]
     if limits_only:
         return keys
     if dof.dynamics.effort is None:
-        keys["effort"] = _EFFORT[dof.kind]
+        keys["effort"] = _EFFORTS[dof.kind]
     if dof.dynamics.velocity is None:
-        keys["velocity"] = _VELOCITY[dof.kind]
+        keys["velocity"] = _VELOCITIES[dof.kind]
     return keys

@@ -13,7 +13,7 @@ from linkwright.stages.robot.system import regular_files
 FILE = "config.json"
 """The name of the file in a robot's folder."""
 
-_LARGEST = 1 << 20
+_MAX_BYTES = 1 << 20
 """Largest size of a configuration [bytes]."""
 
 _COMMENT = re.compile(r'("(?:\\.|[^"\\])*")|//[^\n]*|#[^\n]*|/\*.*?\*/', re.DOTALL)
@@ -45,7 +45,7 @@ class PeerConfig:
         return self.folder.resolve().name
 
     def source(self, address: str = "") -> dict[str, Any]:
-        """Returns the keys of the source; `address`: that of the user, before that of the file. Raises
+        """Returns the keys of the source; `address`: the user's, which replaces that of the file. Raises
         ConfigError if there is none."""
         options = self.options
         url = address or options.get("url") or self._composed_url()
@@ -66,14 +66,14 @@ class PeerConfig:
 
 
 def read(path: str) -> PeerConfig:
-    """Reads a configuration, or that in a folder. Raises ConfigError if it cannot be read."""
+    """Reads a configuration at the path of its file or folder. Raises ConfigError if it cannot be read."""
     file = Path(path)
     if file.is_dir():
         file = file / FILE
     regular_files.require(str(file), "--from", "a configuration of onshape-to-robot is a file", _EXAMPLE)
     try:
-        text = regular_files.content(file, _LARGEST).decode("utf-8-sig")
-        options = json.loads(_TRAILING_COMMA.sub(_kept, _COMMENT.sub(_kept, text)))
+        text = regular_files.content(file, _MAX_BYTES).decode("utf-8-sig")
+        options = json.loads(_TRAILING_COMMA.sub(_quoted_text, _COMMENT.sub(_quoted_text, text)))
     except (OSError, ValueError, regular_files.FileTooLarge) as error:
         reason = f", {error}" if isinstance(error, json.JSONDecodeError) else ""
         msg = f"it cannot be read as JSON with comments{reason}"
@@ -83,7 +83,7 @@ def read(path: str) -> PeerConfig:
     return PeerConfig(path, {_snake_case(name): value for name, value in options.items()}, file.parent)
 
 
-def _kept(match: re.Match[str]) -> str:
+def _quoted_text(match: re.Match[str]) -> str:
     """Returns a text of JSON as it is, and nothing in place of a comment or a comma."""
     return match[1] or ""
 

@@ -31,7 +31,7 @@ FORMATS = {"urdf": "urdf", "sdf": "sdf", "mujoco": "mjcf"}
 _BYTES_PER_FACE = 50
 """Size of a triangle in a binary STL [bytes]."""
 
-_CONTACT = ("friction", "condim", "solref", "solimp", "margin", "priority")
+_CONTACT_PROPERTIES = ("friction", "condim", "solref", "solimp", "margin", "priority")
 
 
 @dataclass(slots=True)
@@ -52,11 +52,11 @@ class Conversion:
 
     def set(self, key: str, value: Any) -> None:
         """Sets a key, given by its full name."""
-        *above, last = key.split(".")
+        *sections, name_in_section = key.split(".")
         section = self.keys
-        for name in above:
+        for name in sections:
             section = section.setdefault(name, {})
-        section[last] = value
+        section[name_in_section] = value
 
     def note(self, option: str, text: str) -> None:
         """Adds a remark about an option."""
@@ -68,9 +68,11 @@ class Conversion:
         names = {
             without_number(part.name.rpartition("/")[2]) for link in self.robot.links for part in link.parts
         }
-        small = glob.lower()
+        lower_glob = glob.lower()
         return sorted(
-            name for name in names if fnmatchcase(name.lower(), small) or fnmatchcase(legal(name), small)
+            name
+            for name in names
+            if fnmatchcase(name.lower(), lower_glob) or fnmatchcase(legal(name), lower_glob)
         )
 
 
@@ -103,7 +105,8 @@ def _ignore_limits(conversion: Conversion, value: Any) -> None:
 
 
 def _ignore(conversion: Conversion, value: Any) -> None:
-    """Collects the parts that are left out: `!glob` takes parts back, in the order of the file."""
+    """Collects the parts that are left out, in the order of the file: `!glob` takes its parts off the
+    list."""
     globs = value if isinstance(value, Mapping) else dict.fromkeys(value or (), "all")
     hidden: dict[str, list[str]] = {"visual": [], "collision": []}
     for glob, use in globs.items():
@@ -129,7 +132,9 @@ def _geom_properties(conversion: Conversion, value: Any) -> None:
         if not names:
             conversion.note("geom_properties", f"no part matches {glob!r}: left out")
         for role, entry in roles.items():
-            contact = {name: _contact(name, number) for name, number in entry.items() if name in _CONTACT}
+            contact = {
+                name: _contact(name, number) for name, number in entry.items() if name in _CONTACT_PROPERTIES
+            }
             left_out = sorted(set(entry) - set(contact))
             if left_out:
                 text = (
@@ -148,6 +153,7 @@ def _contact(name: str, value: Any) -> Any:
     numbers = [float(word) for word in value.split()] if isinstance(value, str) else value
     if name == "friction":
         first = numbers if isinstance(numbers, list) else [numbers]
+        # Missing numbers are MuJoCo's defaults: sliding, torsional and rolling friction.
         return [*first, *(1.0, 0.005, 0.0001)[len(first) :]]
     if name in ("condim", "priority") and isinstance(numbers, list):
         return int(numbers[0])
@@ -173,14 +179,14 @@ def _equalities(conversion: Conversion, value: Any) -> None:
 
 def _additional_xml(conversion: Conversion, value: Any) -> None:
     output = conversion.config.options.get("output_format")
-    into = {"urdf": "robot", "mujoco": "mujoco"}.get(str(output))
+    root_tag = {"urdf": "robot", "mujoco": "mujoco"}.get(str(output))
     for number, file in enumerate([value] if isinstance(value, str) else value, 1):
         path = conversion.config.folder / file
-        if into is None or not path.is_file():
-            why = "there is no such file" if into else "the SDF takes no elements of your own"
+        if root_tag is None or not path.is_file():
+            why = "there is no such file" if root_tag else "the SDF takes no elements of your own"
             conversion.note("additional_xml", f"{file}: {why}: left out")
             continue
-        element = {"into": {"tag": into}, "formats": [FORMATS[str(output)]], "file": path.as_posix()}
+        element = {"into": {"tag": root_tag}, "formats": [FORMATS[str(output)]], "file": path.as_posix()}
         conversion.set(f"elements.additional_{number}", element)
 
 
@@ -209,6 +215,7 @@ def _max_size(conversion: Conversion, value: Any) -> None:
 
 def _simplify(conversion: Conversion, value: Any) -> None:
     if value and "max_stl_size" not in conversion.config.options:
+        # The default size of onshape-to-robot [MB].
         _max_size(conversion, 3)
 
 
@@ -232,11 +239,13 @@ def _joint_properties(conversion: Conversion, value: Any) -> None:
     keys = converted_joints(value, conversion.robot, conversion.rows, conversion.note)
     for section, entries in keys.items():
         for name, entry in entries.items():
-            merged = conversion.keys.setdefault(section, {}).get(name)
-            both = (
-                {**merged, **entry} if isinstance(merged, Mapping) and isinstance(entry, Mapping) else entry
+            previous_entry = conversion.keys.setdefault(section, {}).get(name)
+            merged_entry = (
+                {**previous_entry, **entry}
+                if isinstance(previous_entry, Mapping) and isinstance(entry, Mapping)
+                else entry
             )
-            conversion.keys[section][name] = both
+            conversion.keys[section][name] = merged_entry
 
 
 CONVERTERS: Mapping[str, Callable[[Conversion, Any], None]] = {

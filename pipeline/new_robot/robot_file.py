@@ -52,11 +52,11 @@ def text(robot: NewRobot) -> str:
     """Returns the text of the robot's file."""
     sections = (
         _head(robot),
-        _found(robot),
+        _joint_comments(robot),
         _problems(robot),
         _defaults(robot),
         _source(robot),
-        _converted(robot),
+        _converted_keys(robot),
         _joints(robot),
         _actuators(robot),
         _geoms(robot),
@@ -77,7 +77,7 @@ def _head(robot: NewRobot) -> Iterator[str]:
     )
 
 
-def _found(robot: NewRobot) -> Iterator[str]:
+def _joint_comments(robot: NewRobot) -> Iterator[str]:
     if not robot.rows:
         yield "# No joints were found."
         return
@@ -130,10 +130,10 @@ def _source(robot: NewRobot) -> Iterator[str]:
         yield entry(key, value, "  ")
 
 
-def _converted(robot: NewRobot) -> Iterator[str]:
-    merged = ("joints", "actuators", "geoms")
+def _converted_keys(robot: NewRobot) -> Iterator[str]:
+    merged_sections = ("joints", "actuators", "geoms")
     for key, value in robot.converted.items():
-        if key not in merged:
+        if key not in merged_sections:
             yield entry(key, value)
     if robot.remarks:
         yield "# Options of onshape-to-robot that are left out, or mean something else here:"
@@ -141,8 +141,8 @@ def _converted(robot: NewRobot) -> Iterator[str]:
         yield from comment(f"- {remark}", hanging="  ")
 
 
-def _to_fill_in(robot: NewRobot) -> Iterator[str]:
-    """Yields a line for each joint without some values, which no converted key gives it either."""
+def _lines_to_fill_in(robot: NewRobot) -> Iterator[str]:
+    """Yields a commented line for each joint that lacks values, also after the conversion."""
     entries: Mapping[str, Mapping[str, Any]] = robot.converted.get("joints", {})
     for row in robot.rows:
         values = [set(keys) for glob, keys in entries.items() if matches_glob(row.name, glob)]
@@ -155,9 +155,9 @@ def _to_fill_in(robot: NewRobot) -> Iterator[str]:
 
 def _joints(robot: NewRobot) -> Iterator[str]:
     converted = robot.converted.get("joints", {})
-    lines = list(_to_fill_in(robot))
-    starting = {"*": _DYNAMICS} if robot.source["kind"] in ("onshape", "bundle") and not converted else {}
-    entries = {**starting, **converted}
+    lines = list(_lines_to_fill_in(robot))
+    start_values = {"*": _DYNAMICS} if robot.source["kind"] in ("onshape", "bundle") and not converted else {}
+    entries = {**start_values, **converted}
     if not lines and not entries:
         return
     if lines:
@@ -166,7 +166,7 @@ def _joints(robot: NewRobot) -> Iterator[str]:
             "m/s]. The numbers only show the form. A motor gives effort and velocity (below)."
         )
     yield "joints: # globs on names of joints; later entries win, property by property"
-    if starting:
+    if start_values:
         yield "  # starting values [N m s/rad, N m, kg m²; of slides N s/m, N, kg]: measure your own"
     for glob, values in (entries or {"*": {}}).items():
         yield entry(glob, values, "  ")
@@ -177,23 +177,29 @@ def _actuators(robot: NewRobot) -> Iterator[str]:
     choices = robot.choices
     converted = robot.converted.get("actuators", {})
     entries = {**(choices.entries if choices else {}), **converted}
-    turning = next((exact_glob(row.name) for row in robot.rows if row.driven and row.kind == "turn"), None)
-    offered = turning if choices and choices.actuators == "position" and turning not in entries else None
-    if not entries and offered is None:
+    turning_joint = next(
+        (exact_glob(row.name) for row in robot.rows if row.is_drivable and row.kind == "turn"), None
+    )
+    motor_joint = (
+        turning_joint
+        if choices and choices.actuators == "position" and turning_joint not in entries
+        else None
+    )
+    if not entries and motor_joint is None:
         return
     if choices and choices.entries_reason:
         yield from comment(choices.entries_reason)
-    if offered:
+    if motor_joint:
         motors = ", ".join(library())
         yield from comment(f"Motors of the library: {motors}; your own: ./motors/NAME.yaml")
     if not entries:
-        yield f"#actuators: {flow({offered: {'motor': 'sts3215'}})}"
+        yield f"#actuators: {flow({motor_joint: {'motor': 'sts3215'}})}"
         return
     yield "actuators:"
     for glob, values in entries.items():
         yield entry(glob, values, "  ")
-    if offered:
-        yield entry(offered, {"motor": "sts3215"}, "  ", active=False)
+    if motor_joint:
+        yield entry(motor_joint, {"motor": "sts3215"}, "  ", active=False)
 
 
 def _geoms(robot: NewRobot) -> Iterator[str]:

@@ -16,7 +16,7 @@ SHIPPED = tuple(sorted(file.stem for file in (OURS / "robot").glob("*.yaml")))
 
 _KINDS = {".zip": "bundle", ".urdf": "urdf", ".xacro": "urdf"}
 _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]*://", re.IGNORECASE)
-_HEAD = 1 << 16
+_HEAD_BYTES = 1 << 16
 """Size of the beginning of an XML file in which its first tag must be [bytes]."""
 
 
@@ -38,7 +38,7 @@ def _kind_of_xml(path: Path) -> str | None:
     """Returns the kind of a file by the first tag in it; None for other files."""
     try:
         with path.open("rb") as file:
-            head = file.read(_HEAD).decode("utf-8", errors="replace")
+            head = file.read(_HEAD_BYTES).decode("utf-8", errors="replace")
     except OSError:
         return None
     without_comments = re.sub(r"<!--.*?-->", "", head, flags=re.DOTALL)
@@ -51,13 +51,13 @@ def robot_name(name: str, source: Mapping[str, Any], title: str = "") -> str:
 
     Raises ConfigError for a name that no robot's file can have.
     """
-    chosen = name or legal(title) or default_robot_name(source)
+    new_name = name or legal(title) or default_robot_name(source)
     where = "new"
-    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]*", chosen):
+    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]*", new_name):
         msg = f"a robot's name has letters, digits, _ and - only, got {name!r}"
         hint = f"for example {legal(name) or 'my_arm'}"
         raise ConfigError(msg, where, hint)
-    if chosen.lower() in (*SHIPPED, "scene"):
-        msg = f"{chosen!r} is the name of a robot or file of Linkwright"
-        raise ConfigError(msg, where, f"give the robot another name, such as my_{chosen.lower()}")
-    return chosen
+    if new_name.lower() in (*SHIPPED, "scene"):
+        msg = f"{new_name!r} is the name of a robot or file of Linkwright"
+        raise ConfigError(msg, where, f"give the robot another name, such as my_{new_name.lower()}")
+    return new_name

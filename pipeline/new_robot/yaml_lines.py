@@ -13,7 +13,7 @@ WIDTH = 100
 
 
 def comment(text: str, indent: str = "", hanging: str = "") -> list[str]:
-    """Returns a text as lines of comment; `hanging`: what the lines after the first begin with."""
+    """Returns a text as lines of comment; `hanging`: the start of the lines after the first."""
     start = f"{indent}# "
     wrapped = textwrap.wrap(
         printable(text),
@@ -28,7 +28,7 @@ def comment(text: str, indent: str = "", hanging: str = "") -> list[str]:
 
 def flow(value: Any) -> str:
     """Returns plain data in YAML's flow form: `{limits: [-1.57, 1.57], effort: 12}`. Texts have quotes, and
-    `${` in them is no interpolation."""
+    `${` in them is escaped, so that it is not an interpolation."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_key(str(key))}: {flow(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, list | tuple):
@@ -44,9 +44,9 @@ def entry(key: str, value: Any, indent: str = "", *, active: bool = True) -> str
 
 
 def _key(text: str) -> str:
-    is_plain = re.fullmatch(r"[A-Za-z_][\w.-]*", text, re.ASCII) and text.lower() not in _WORDS
+    is_plain = re.fullmatch(r"[A-Za-z_][\w.-]*", text, re.ASCII) and text.lower() not in _RESERVED_WORDS
     return text if is_plain else flow(text)
 
 
-_WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off", "y", "n"})
+_RESERVED_WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off", "y", "n"})
 """Keys that YAML does not read as text."""

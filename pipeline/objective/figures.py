@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 KEY = "objective.figure"
 
 
-def figures(names: Sequence[str], robot: "model.Robot", plan: "Plan", described: bytes) -> dict[str, float]:
-    """Returns the figures that `ObjectiveSection` describes, by name, except `checks_failed`. `described`:
+def figures(names: Sequence[str], robot: "model.Robot", plan: "Plan", robot_json: bytes) -> dict[str, float]:
+    """Returns the figures that `ObjectiveSection` describes, by name, except `checks_failed`. `robot_json`:
     the content of robot.json. Raises ConfigError if the robot has no figure of that name."""
     values: dict[str, float] = {}
     for name in names:
@@ -36,7 +36,7 @@ def figures(names: Sequence[str], robot: "model.Robot", plan: "Plan", described:
         elif name == "reach" or name.startswith("reach."):
             values[name] = _reach(robot, name.partition(".")[2])
         else:
-            values[name] = number_at(json.loads(described), name)
+            values[name] = number_at(json.loads(robot_json), name)
     return values
 
 
@@ -92,19 +92,19 @@ def number_at(tree: Mapping[str, Any], path: str) -> float:
     them. Raises ConfigError without such a number."""
     value: Any = tree
     words = path.split(".")
-    consumed = 0
-    while consumed < len(words):
-        inside = _entries(value)
+    start = 0
+    while start < len(words):
+        entries = _entries(value)
         # A name may have dots.
-        ends = [end for end in range(len(words), consumed, -1) if ".".join(words[consumed:end]) in inside]
+        ends = [end for end in range(len(words), start, -1) if ".".join(words[start:end]) in entries]
         if not ends:
             msg = f"robot.json has no {path}"
-            parent = ".".join(words[:consumed]) or "it"
-            names = [name for name in inside if not name.isdecimal()] or list(inside)
-            hint = nearest(words[consumed], names) or (f"{parent} has {name_list(names)}" if names else "")
+            parent = ".".join(words[:start]) or "it"
+            names = [name for name in entries if not name.isdecimal()] or list(entries)
+            hint = nearest(words[start], names) or (f"{parent} has {name_list(names)}" if names else "")
             raise ConfigError(msg, KEY, hint)
-        value = inside[".".join(words[consumed : ends[0]])]
-        consumed = ends[0]
+        value = entries[".".join(words[start : ends[0]])]
+        start = ends[0]
     if not isinstance(value, int | float) or isinstance(value, bool):
         msg = f"{path} of robot.json is not a number"
         raise ConfigError(msg, KEY, f"it is {json.dumps(value)[:60]}")
@@ -117,5 +117,7 @@ def _entries(value: Any) -> Mapping[str, Any]:
         return value
     if not isinstance(value, Sequence) or isinstance(value, str):
         return {}
-    named = {str(entry["name"]): entry for entry in value if isinstance(entry, Mapping) and "name" in entry}
-    return {str(index): entry for index, entry in enumerate(value)} | named
+    entries_by_name = {
+        str(entry["name"]): entry for entry in value if isinstance(entry, Mapping) and "name" in entry
+    }
+    return {str(index): entry for index, entry in enumerate(value)} | entries_by_name

@@ -20,27 +20,27 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.check import Check
 
 VERSION = 1
-"""Must be increased when a figure of the same robot changes."""
+"""Version of the figures, a part of their cache keys: raise it when a figure of the same robot changes."""
 
 KEY = "objective"
 
-CHECKS = "checks_failed"
+CHECKS_FIGURE = "checks_failed"
 """The figure that needs the whole build."""
 
 
 def require(plan: Plan) -> None:
     """Raises ConfigError if the build cannot compute the objective: it ends too early, or the user's own
     function cannot be found."""
-    section = plan.objective
-    if section is None:
+    objective_section = plan.objective
+    if objective_section is None:
         return
     if plan.until == "fetch":
         raise ConfigError("there is no robot before the graph stage", KEY, "until=graph, or a later stage")
-    if CHECKS in section.names and plan.until != "validate":
+    if CHECKS_FIGURE in objective_section.names and plan.until != "validate":
         msg = f"checks_failed needs the validate stage, but the build ends with {plan.until}"
         raise ConfigError(msg, KEY, "until=validate, or another figure")
-    if section.target and is_in_modules(section.target, plan.plugins):
-        loader.cost(plan)
+    if objective_section.target and is_in_modules(objective_section.target, plan.plugins):
+        loader.objective_function(plan)
 
 
 def objective(
@@ -50,16 +50,16 @@ def objective(
     objective. `files`: the robot's files; `checks`: the results of the checks. Raises ConfigError if a figure
     does not exist for this robot, or is not a finite number.
     """
-    section_ = context.plan.objective
-    if section_ is None:
+    objective_section = context.plan.objective
+    if objective_section is None:
         return {}
-    from_checks = {CHECKS: float(sum(check.fails for check in checks))}
+    check_figures = {CHECKS_FIGURE: float(sum(check.fails for check in checks))}
     torque = torque_value(checks)
-    from_checks |= {} if torque is None else {"torque_margin": torque}
+    check_figures |= {} if torque is None else {"torque_margin": torque}
     values = (
-        _user_numbers(context, section_)
-        if section_.target
-        else _figures(context, section_, files, from_checks)
+        _user_numbers(context, objective_section)
+        if objective_section.target
+        else _figures(context, objective_section, files, check_figures)
     )
     for name, value in values.items():
         if not math.isfinite(value):
@@ -69,11 +69,11 @@ def objective(
 
 def _figures(
     context: BuildContext,
-    section_: ObjectiveSection,
+    objective_section: ObjectiveSection,
     files: Mapping[str, bytes],
-    from_checks: Mapping[str, float],
+    check_figures: Mapping[str, float],
 ) -> dict[str, float]:
-    plan, names = context.plan, [name for name in section_.names if name not in from_checks]
+    plan, names = context.plan, [name for name in objective_section.names if name not in check_figures]
     key = {
         "figures": names,
         "robot": context.files["graph"].digests[ROBOT],
@@ -83,30 +83,33 @@ def _figures(
     }
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo(KEY, VERSION, libraries(export))
-    computed = json.loads(memo("figures", key, lambda: _computed(context, names, files["robot.json"])))
-    return {name: from_checks[name] if name in from_checks else computed[name] for name in section_.names}
-
-
-def _user_numbers(context: BuildContext, section_: ObjectiveSection) -> dict[str, float]:
-    """Returns the numbers of the user's own function. They are cached if the text of its module is known."""
-    text = loader.sources(context.plan.plugins)
-    if text is None:
-        return dict(json.loads(_computed(context)))
-    key = {
-        TARGET_KEY: section_.target,
-        "args": section_.args,
-        "robot": context.files["graph"].digests[ROBOT],
-        "plugins": text,
+    computed = json.loads(memo("figures", key, lambda: _compute(context, names, files["robot.json"])))
+    return {
+        name: check_figures[name] if name in check_figures else computed[name]
+        for name in objective_section.names
     }
-    return dict(json.loads(context.cache.memo(KEY, VERSION, {})("own", key, lambda: _computed(context))))
 
 
-def _computed(context: BuildContext, names: Sequence[str] = (), described: bytes = b"") -> bytes:
+def _user_numbers(context: BuildContext, objective_section: ObjectiveSection) -> dict[str, float]:
+    """Returns the numbers of the user's own function. They are cached if the text of its module is known."""
+    sources = loader.sources_digest(context.plan.plugins)
+    if sources is None:
+        return dict(json.loads(_compute(context)))
+    key = {
+        TARGET_KEY: objective_section.target,
+        "args": objective_section.args,
+        "robot": context.files["graph"].digests[ROBOT],
+        "plugins": sources,
+    }
+    return dict(json.loads(context.cache.memo(KEY, VERSION, {})("own", key, lambda: _compute(context))))
+
+
+def _compute(context: BuildContext, names: Sequence[str] = (), robot_json: bytes = b"") -> bytes:
     """Returns the figures of these `names` as JSON; with a user's own function, its result instead."""
     # Late: it imports the writers and the checks, which cached objectives do not need.
     from linkwright.pipeline.objective import figures
 
-    plan, function = context.plan, loader.cost(context.plan)
+    plan, function = context.plan, loader.objective_function(context.plan)
     if function is not None and plan.objective is not None:
         return json.dumps(figures.figures_of_function(function, plan.objective, context.robot)).encode()
-    return json.dumps(figures.figures(names, context.robot, plan, described)).encode()
+    return json.dumps(figures.figures(names, context.robot, plan, robot_json)).encode()

@@ -36,8 +36,8 @@ def copy(old: Path, new: Path) -> None:
 def _entries(path: Path) -> Iterator[Path]:
     """Yields the path, and all entries below it if it is a folder."""
     yield path
-    for top, below, files in os.walk(path):
-        yield from (Path(top, name) for name in (*below, *files))
+    for top, folders, files in os.walk(path):
+        yield from (Path(top, name) for name in (*folders, *files))
 
 
 def _change_owner(path: Path, owner: os.stat_result) -> None:

@@ -24,21 +24,21 @@ MAX_LISTED = 12
 class Conflicts:
     """The files in a folder that linkwright did not write, or that were changed, by path."""
 
-    carried: list[str] = field(default_factory=list)
+    kept_paths: list[str] = field(default_factory=list)
     """Foreign files that the build keeps."""
 
-    stopped: dict[str, str] = field(default_factory=dict)
+    blockers: dict[str, str] = field(default_factory=dict)
     """Files that stop the build: path → reason."""
 
-    stuck: dict[str, str] = field(default_factory=dict)
-    """The files among `stopped` that cannot be moved either: path → reason."""
+    immovable_blockers: dict[str, str] = field(default_factory=dict)
+    """The files among `blockers` that cannot be moved either: path → reason."""
 
     def against(self, overwrite: bool) -> dict[str, str]:
         """Returns the files that stop a build with or without `overwrite`: path → reason."""
-        return self.stuck if overwrite else self.stopped
+        return self.immovable_blockers if overwrite else self.blockers
 
 
-def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Conflicts:
+def find_conflicts(folder: Path, coming: Iterable[str], reader: DigestReader) -> Conflicts:
     """Compares the folder with the `coming` files of a build and its manifest."""
     conflicts = Conflicts()
     if not manifest.is_folder(folder):
@@ -46,17 +46,19 @@ def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Conflicts
     key = _path_key(folder)
     coming = list(coming)
     files = {key(path) for path in (*coming, manifest.NAME)}
-    above = manifest.parents(files)
-    for entry in manifest.foreign_or_changed(folder, manifest.ours(folder) or {}, coming, reader):
+    parent_folders = manifest.parents(files)
+    for entry in manifest.foreign_or_changed(folder, manifest.written_files(folder) or {}, coming, reader):
         path, place = entry.path, folder / entry.path
         if place.is_mount() or (manifest.is_folder(place) and not os.access(place, os.W_OK)):
-            conflicts.stopped[path] = conflicts.stuck[path] = "is not linkwright's, and cannot be moved"
-        elif not entry.foreign or key(path) in files or key(path) in above:
-            conflicts.stopped[path] = why(entry)
+            conflicts.blockers[path] = conflicts.immovable_blockers[path] = (
+                "is not linkwright's, and cannot be moved"
+            )
+        elif not entry.is_foreign or key(path) in files or key(path) in parent_folders:
+            conflicts.blockers[path] = block_reason(entry)
         elif place.name != LOCKS and (build := _build_at(place, folder)):
-            conflicts.stopped[path] = f"is another build, or holds one ({build.relative_to(folder)})"
+            conflicts.blockers[path] = f"is another build, or holds one ({build.relative_to(folder)})"
         else:
-            conflicts.carried.append(path)
+            conflicts.kept_paths.append(path)
     return conflicts
 
 
@@ -67,33 +69,33 @@ def require_folder(folder: Path) -> None:
     if manifest.is_sweep(folder):
         raise ConfigError(f"{folder} is the folder of a sweep", "output", ELSEWHERE)
     if manifest.is_foreign(folder):
-        raise foreign(folder)
+        raise foreign_folder_error(folder)
 
 
-def foreign(folder: Path) -> ConfigError:
+def foreign_folder_error(folder: Path) -> ConfigError:
     """Returns the error about a folder that is not empty and that no build made."""
     msg = f"{folder} is not empty, and no build made it: a build replaces its output folder"
     hint = "name a new or an empty folder, such as output=outputs/arm, or move what is in it elsewhere"
     return ConfigError(msg, "output", hint)
 
 
-def why(entry: Entry) -> str:
+def block_reason(entry: Entry) -> str:
     """Returns the reason why an entry stops a build that writes a file to its path."""
-    if entry.foreign:
+    if entry.is_foreign:
         return "is not linkwright's, and the build writes a file to this path"
     return "was changed since it was built"
 
 
-def message(folder: Path, stopped: Mapping[str, str]) -> str:
+def message(folder: Path, blockers: Mapping[str, str]) -> str:
     """Returns a message that lists the files that stop a build."""
-    lines = [f"    {printable(path)} {why}" for path, why in stopped.items()]
+    lines = [f"    {printable(path)} {reason}" for path, reason in blockers.items()]
     remainder = [f"    and {len(lines) - MAX_LISTED} more"] if len(lines) > MAX_LISTED else []
     return "\n".join([f"{folder} has files that a build must not replace:", *lines[:MAX_LISTED], *remainder])
 
 
-def ways_out(folder: Path, conflicts: Conflicts | None = None) -> str:
+def conflict_hint(folder: Path, conflicts: Conflicts | None = None) -> str:
     """Returns the hint about files that stop a build."""
-    if conflicts is not None and conflicts.stuck:
+    if conflicts is not None and conflicts.immovable_blockers:
         return "move it elsewhere, or build into another folder with output=FOLDER"
     return (
         f"move it elsewhere, or set overwrite=true, which moves it to {folder.name}{REPLACED}, "
@@ -101,7 +103,7 @@ def ways_out(folder: Path, conflicts: Conflicts | None = None) -> str:
     )
 
 
-def listed(paths: Iterable[str]) -> str:
+def path_list(paths: Iterable[str]) -> str:
     """Returns a text with the first paths, and the number of further paths."""
     texts = [printable(path) for path in paths]
     remainder = f" and {len(texts) - MAX_LISTED} more" if len(texts) > MAX_LISTED else ""
@@ -118,7 +120,8 @@ def _path_key(folder: Path) -> Callable[[str], str]:
 
 
 def _build_at(place: Path, folder: Path) -> Path | None:
-    """Returns the build or sweep that the entry `place` of `folder` is, contains or belongs to."""
+    """Returns the folder of a build or sweep at, below or just above `place`, an entry of `folder`; else
+    None."""
     if manifest.is_folder(place):
         return next(manifest.builds_in(place), None)
     parent = place.parent
@@ -129,6 +132,6 @@ def _build_at(place: Path, folder: Path) -> Path | None:
     return None
 
 
-def visible(paths: Iterable[str]) -> list[str]:
+def without_locks(paths: Iterable[str]) -> list[str]:
     """Returns the paths without the folders of lock files."""
     return [path for path in paths if PurePosixPath(path).name != LOCKS]

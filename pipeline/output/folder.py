@@ -48,6 +48,7 @@ class Output:
         self._reader = manifest.DigestReader()
 
     def folder(self, suffix: str = "") -> Path:
+        """Returns the output folder, or its sibling with a suffix."""
         return self.target.with_name(self.target.name + suffix)
 
     def judge(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
@@ -55,7 +56,7 @@ class Output:
         linkwright's. Changes nothing."""
         folder = self.folder(suffix)
         with contextlib.ExitStack() as stack, output_errors(folder):
-            place = lock.place(self.target)
+            place = lock.lock_path(self.target)
             if place.is_file():
                 # During the swap of another build its files would look changed or missing.
                 with contextlib.suppress(OSError):
@@ -76,13 +77,13 @@ class Output:
             _staging(folder).mkdir()
             _staging(folder).rmdir()
         if kept_paths:
-            self._report(f"kept, since not linkwright's: {conflicts.listed(kept_paths)}")
+            self._report(f"kept, since not linkwright's: {conflicts.path_list(kept_paths)}")
 
     def size(self, suffix: str = "") -> int:
         """Returns the size [bytes] of the last build in the folder, 0 without a build."""
         folder = self.folder(suffix)
         with contextlib.suppress(OSError):
-            files = [folder / path for path in manifest.ours(folder) or {}]
+            files = [folder / path for path in manifest.written_files(folder) or {}]
             return sum(file.lstat().st_size for file in files if file.is_file())
         return 0
 
@@ -124,7 +125,7 @@ class Output:
         """
         folder = self.folder(suffix)
         try:
-            if not is_folder(folder) or manifest.ours(folder) is None:
+            if not is_folder(folder) or manifest.written_files(folder) is None:
                 return
             with self._locked(), output_errors(folder):
                 self._repair(folder)
@@ -133,8 +134,8 @@ class Output:
             self._report(f"{folder} was not removed: {error}")
 
     def _remove_ours(self, folder: Path) -> None:
-        own_files = manifest.ours(folder) or {}
-        manifest.keep(folder, own_files)
+        own_files = manifest.written_files(folder) or {}
+        manifest.write_if_missing(folder, own_files)
         entries = manifest.foreign_or_changed(folder, own_files, (), self._reader)
         kept_paths = {entry.path for entry in entries}
         if "report.json" not in kept_paths:
@@ -150,12 +151,12 @@ class Output:
             return []
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-        conflicting = conflicts.look(folder, coming, self._reader)
-        if stopped := conflicting.against(self._overwrite):
+        clashes = conflicts.find_conflicts(folder, coming, self._reader)
+        if blockers := clashes.against(self._overwrite):
             raise ConfigError(
-                conflicts.message(folder, stopped), "output", conflicts.ways_out(folder, conflicting)
+                conflicts.message(folder, blockers), "output", conflicts.conflict_hint(folder, clashes)
             )
-        return conflicts.visible(conflicting.carried)
+        return conflicts.without_locks(clashes.kept_paths)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
         """Raises InTheWay if the final list of `files` would replace files that are not linkwright's."""
@@ -163,10 +164,10 @@ class Output:
             conflicts.require_folder(folder)
         except ConfigError as error:
             raise InTheWay(error.message, error.where, error.hint) from error
-        conflicting = conflicts.look(folder, files, self._reader)
-        if stopped := conflicting.against(self._overwrite):
+        clashes = conflicts.find_conflicts(folder, files, self._reader)
+        if blockers := clashes.against(self._overwrite):
             raise InTheWay(
-                conflicts.message(folder, stopped), str(folder), conflicts.ways_out(folder, conflicting)
+                conflicts.message(folder, blockers), str(folder), conflicts.conflict_hint(folder, clashes)
             )
 
     def _swap(self, folder: Path) -> None:
@@ -175,38 +176,39 @@ class Output:
         So the folder `.old` is always complete and can be restored.
         """
         if folder.exists():
-            manifest.keep(folder, manifest.ours(folder) or {})
-            folder.rename(_old(folder))
+            manifest.write_if_missing(folder, manifest.written_files(folder) or {})
+            folder.rename(_old_folder(folder))
         _staging(folder).rename(folder)
         self._retire(folder)
 
     def _retire(self, folder: Path) -> None:
         """Moves files that are not linkwright's from the old to the new folder, and removes the rest."""
-        old = _old(folder)
+        old = _old_folder(folder)
         if not old.exists():
             return
-        conflicting = conflicts.look(old, manifest.ours(folder) or {}, self._reader)
-        moved = [move_aside(old / path, folder, path) for path in conflicting.stopped]
-        for path in conflicting.carried:
+        clashes = conflicts.find_conflicts(old, manifest.written_files(folder) or {}, self._reader)
+        new_paths = [move_aside(old / path, folder, path) for path in clashes.blockers]
+        for path in clashes.kept_paths:
             if _can_take(folder, path):
                 (old / path).rename(folder / path)
             else:
-                moved.append(move_aside(old / path, folder, path))
+                new_paths.append(move_aside(old / path, folder, path))
         old.rename(_staging(folder))
         self._discard(folder)
-        if moved:
-            self._report(f"was in the way, and was moved to {conflicts.listed(map(os.path.relpath, moved))}")
+        if new_paths:
+            paths = conflicts.path_list(map(os.path.relpath, new_paths))
+            self._report(f"was in the way, and was moved to {paths}")
 
     def _repair(self, folder: Path) -> None:
         """Completes or reverts an interrupted swap."""
         self._discard(folder)
-        old = _old(folder)
+        old = _old_folder(folder)
         if not os.path.lexists(old):
             return
-        is_complete = is_folder(old) and manifest.ours(old) is not None
+        is_complete = is_folder(old) and manifest.written_files(old) is not None
         if is_complete and not os.path.lexists(folder):
             old.rename(folder)
-        elif is_complete and manifest.ours(folder) is not None:
+        elif is_complete and manifest.written_files(folder) is not None:
             self._retire(folder)
         else:
             self._put_away(old, folder)
@@ -215,15 +217,15 @@ class Output:
         """Removes the staging folder; files in it that are not linkwright's are moved aside."""
         staged = _staging(folder)
         if is_folder(staged):
-            own_files = manifest.ours(staged)
+            own_files = manifest.written_files(staged)
             # Without a manifest the process was killed before it wrote any file.
             manifest.clear(staged, (own_files or {}).keys(), lambda _: own_files is not None)
         if os.path.lexists(staged):
             self._put_away(staged, folder)
 
     def _put_away(self, place: Path, folder: Path) -> None:
-        moved = move_aside(place, folder, place.name)
-        self._report(f"{place.name} is not linkwright's, and was moved to {os.path.relpath(moved)}")
+        new_path = move_aside(place, folder, place.name)
+        self._report(f"{place.name} is not linkwright's, and was moved to {os.path.relpath(new_path)}")
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[None]:
@@ -249,7 +251,7 @@ def _staging(folder: Path) -> Path:
     return folder.with_name(f".{folder.name}.tmp")
 
 
-def _old(folder: Path) -> Path:
+def _old_folder(folder: Path) -> Path:
     return folder.with_name(f".{folder.name}.old")
 
 
@@ -269,7 +271,7 @@ def move_aside(place: Path, folder: Path, path: str) -> Path:
     """Moves `place` to `path` below `<folder>.replaced`, with a number if that path exists; returns the new
     path."""
     *above, last = PurePosixPath(path).parts
-    target = _for_replaced(folder)
+    target = _replaced_folder(folder)
     for name in above:
         places = _numbered(target / name)
         target = next(new for new in places if is_folder(new) or not os.path.lexists(new))
@@ -279,7 +281,7 @@ def move_aside(place: Path, folder: Path, path: str) -> Path:
     return target
 
 
-def _for_replaced(folder: Path) -> Path:
+def _replaced_folder(folder: Path) -> Path:
     """Returns the folder `<folder>.replaced`, created and marked as linkwright's; with a number if a foreign
     folder has that name."""
     default = folder.with_name(f"{folder.name}{conflicts.REPLACED}")
@@ -291,7 +293,7 @@ def _for_replaced(folder: Path) -> Path:
     if not os.path.lexists(target):
         access.make(target, folder)
         access.copy(folder, target)
-    manifest.keep(target, {})
+    manifest.write_if_missing(target, {})
     return target
 
 

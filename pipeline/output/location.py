@@ -19,7 +19,7 @@ CACHE_FOLDERS = ("ac", "cas", "ledger", "locks", "tmp")
 
 ELSEWHERE = "choose another place with output=FOLDER"
 
-_NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)
+_INVALID_PATH_ERRORS = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)
 
 
 def absolute(folder: str | Path) -> Path:
@@ -31,18 +31,18 @@ def absolute(folder: str | Path) -> Path:
     try:
         place = Path(os.path.abspath(os.path.expanduser(folder)))  # noqa: PTH100, PTH111  (links stay)
         place = place.resolve() if place.is_symlink() else place
-        _check(place, str(folder))
+        _require_valid(place, str(folder))
     except (ValueError, RuntimeError) as error:
         raise ConfigError(f"{folder} cannot be a folder: {error}", "output", ELSEWHERE) from error
     except OSError as error:
-        if error.errno not in _NO_PLACE:
+        if error.errno not in _INVALID_PATH_ERRORS:
             raise
         msg = f"{folder} cannot be a folder: {error.strerror}"
         raise ConfigError(msg, "output", ELSEWHERE) from error
     return place
 
 
-def _check(place: Path, text: str) -> None:
+def _require_valid(place: Path, text: str) -> None:
     if not place.name:
         msg = f"{text} cannot be an output folder"
         raise ConfigError(msg, "output", "name a folder, such as output=outputs/arm")
@@ -68,23 +68,23 @@ def _check(place: Path, text: str) -> None:
         )
 
 
-def require_free(place: Path, taken: Mapping[str, Path], cache: Path) -> None:
-    """Raises ConfigError if `place` is or contains one of the `taken` paths (description → path), the home,
-    the working folder or the cache, or is inside a folder of the cache."""
-    real = Path(os.path.realpath(place))
-    taken = {**taken, "the cache folder": cache}
-    if any(Path(os.path.realpath(cache / name)) in (real, *real.parents) for name in CACHE_FOLDERS):
+def require_free(place: Path, reserved_paths: Mapping[str, Path], cache: Path) -> None:
+    """Raises ConfigError if `place` is or contains one of the `reserved_paths` (description → path), the
+    home, the working folder or the cache, or is inside a folder of the cache."""
+    real_path = Path(os.path.realpath(place))
+    reserved_paths = {**reserved_paths, "the cache folder": cache}
+    if any(Path(os.path.realpath(cache / name)) in (real_path, *real_path.parents) for name in CACHE_FOLDERS):
         msg = f"{place} is in the cache folder, which is cleaned up"
         raise ConfigError(msg, "output", f"{ELSEWHERE}, such as output=outputs/arm")
-    for description, other in (*_usual(), *taken.items()):
-        other_real = Path(os.path.realpath(other))
-        if real == other_real or real in other_real.parents:
-            verb = "is" if real == other_real else "holds"
+    for description, reserved_path in (*_standard_folders(), *reserved_paths.items()):
+        real_reserved = Path(os.path.realpath(reserved_path))
+        if real_path == real_reserved or real_path in real_reserved.parents:
+            verb = "is" if real_path == real_reserved else "holds"
             msg = f"{place} {verb} {description}, and a build replaces its output folder"
             raise ConfigError(msg, "output", f"{ELSEWHERE}, such as output=outputs/arm")
 
 
-def _usual() -> Iterator[tuple[str, Path]]:
+def _standard_folders() -> Iterator[tuple[str, Path]]:
     home = os.path.expanduser("~")  # noqa: PTH111  (Path.home() raises where there is none)
     if os.path.isabs(home):  # noqa: PTH117
         yield "your home folder", Path(home)

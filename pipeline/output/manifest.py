@@ -1,7 +1,7 @@
 """Reads and writes the manifest of a folder, which tells linkwright's files from others.
 
 `.linkwright.json` lists each file that was written to the folder and the SHA-256 of its bytes. It is
-written first, so that after a kill linkwright's files can be distinguished from other files. Folders of
+written first, so that linkwright's files can be told from others even after a kill. Folders of
 version 0.1 have no manifest: there `report.json` lists the robot's files.
 """
 
@@ -19,16 +19,16 @@ from linkwright.pipeline.lock import FOLDER as LOCKS
 from linkwright.pipeline.output.replacing import replace
 
 NAME = ".linkwright.json"
-STAGED = re.compile(rf"{re.escape(NAME)}(\.[0-9a-f]{{8}})?\.tmp")
+TEMPORARY_NAME = re.compile(rf"{re.escape(NAME)}(\.[0-9a-f]{{8}})?\.tmp")
 """Matches the temporary names of manifests, under which a kill may leave them."""
 
-MARK = "linkwright-files"
+MARK_KEY = "linkwright-files"
 """The key that identifies a manifest."""
 
-REPORT = "linkwright-report"
+REPORT_KEY = "linkwright-report"
 """The key in `report.json` that identifies the folder of a build."""
 
-SWEEP = "linkwright-sweep"
+SWEEP_KEY = "linkwright-sweep"
 """The key in `summary.json` that identifies the folder of a sweep."""
 
 DOCUMENTS = ("report.json", "report.html", "config.yaml", "build.log")
@@ -37,7 +37,7 @@ DOCUMENTS = ("report.json", "report.html", "config.yaml", "build.log")
 Digests = Mapping[str, str | None]
 """SHA-256 by path below the folder, with forward slashes; None: any content."""
 
-_CHUNK = 1 << 20
+_CHUNK_BYTES = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,8 @@ class Entry:
     """foreign: not written by linkwright; changed: written by linkwright, with different content."""
 
     @property
-    def foreign(self) -> bool:
+    def is_foreign(self) -> bool:
+        """Tells whether linkwright did not write the entry."""
         return self.kind == "foreign"
 
 
@@ -60,7 +61,8 @@ class DigestReader:
         self._known: dict[tuple[int, ...], str] = {}
 
     def is_same(self, file: os.DirEntry[str], digest: str | None) -> bool:
-        """Tells whether the entry is a file with this digest, or would be with plain line ends."""
+        """Tells whether the entry is a file with this digest, perhaps only after its line ends become line
+        feeds."""
         if not file.is_file(follow_symlinks=False):
             return False
         if digest is None:
@@ -69,22 +71,22 @@ class DigestReader:
             status = file.stat(follow_symlinks=False)
             key = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)
             if key not in self._known:
-                with open(file.path, "rb") as opened:
-                    self._known[key] = hashlib.file_digest(opened, "sha256").hexdigest()
+                with open(file.path, "rb") as stream:
+                    self._known[key] = hashlib.file_digest(stream, "sha256").hexdigest()
             if self._known[key] == digest:
                 return True
-            with open(file.path, "rb") as opened:
-                return _with_plain_line_ends(opened) == digest
+            with open(file.path, "rb") as stream:
+                return _digest_with_line_feeds(stream) == digest
         except OSError as error:
             if error.errno in UNREACHABLE_ERRORS:
                 raise
             return False
 
 
-def _with_plain_line_ends(file: BinaryIO) -> str:
+def _digest_with_line_feeds(file: BinaryIO) -> str:
     """Returns the digest of a file with its line ends converted to line feeds."""
     digest, carry = hashlib.sha256(), b""
-    while chunk := file.read(_CHUNK):
+    while chunk := file.read(_CHUNK_BYTES):
         chunk = carry + chunk
         carry = chunk[-1:] if chunk.endswith(b"\r") else b""
         digest.update(chunk[: len(chunk) - len(carry)].replace(b"\r\n", b"\n"))
@@ -106,22 +108,22 @@ def write_shared(folder: Path, digests: Digests) -> None:
 
 
 def _text(digests: Digests) -> bytes:
-    return (json.dumps({MARK: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n").encode()
+    return (json.dumps({MARK_KEY: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n").encode()
 
 
-def keep(folder: Path, digests: Digests) -> None:
+def write_if_missing(folder: Path, digests: Digests) -> None:
     """Writes the manifest of a folder that has none yet."""
     if not (folder / NAME).is_file():
         write(folder, digests)
 
 
-def ours(folder: Path) -> Digests | None:
+def written_files(folder: Path) -> Digests | None:
     """Returns the files that linkwright wrote into the folder; None without a manifest or a report."""
     manifest = _json(folder / NAME)
-    if MARK in manifest and isinstance(manifest.get("files"), dict):
+    if MARK_KEY in manifest and isinstance(manifest.get("files"), dict):
         return _paths(manifest["files"])
     report = _json(folder / "report.json")
-    if REPORT in report:
+    if REPORT_KEY in report:
         outputs = report.get("outputs")
         return {**_paths(outputs if isinstance(outputs, dict) else {}), **dict.fromkeys(DOCUMENTS)}
     return None
@@ -129,12 +131,12 @@ def ours(folder: Path) -> Digests | None:
 
 def is_build(folder: Path) -> bool:
     """Tells whether the folder is the output of a build, by its `report.json`."""
-    return REPORT in _json(folder / "report.json")
+    return REPORT_KEY in _json(folder / "report.json")
 
 
 def is_sweep(folder: Path) -> bool:
     """Tells whether the folder is the output of a sweep, by its `summary.json`."""
-    return SWEEP in _json(folder / "summary.json")
+    return SWEEP_KEY in _json(folder / "summary.json")
 
 
 def is_foreign(folder: Path) -> bool:
@@ -143,10 +145,10 @@ def is_foreign(folder: Path) -> bool:
     Locks do not count, and neither do manifests that a killed build left under a temporary name. Raises
     OSError if the folder cannot be read.
     """
-    if not folder.is_dir() or ours(folder) is not None or is_sweep(folder):
+    if not folder.is_dir() or written_files(folder) is not None or is_sweep(folder):
         return False
     with os.scandir(folder) as scanned:
-        return any(entry.name != LOCKS and not STAGED.fullmatch(entry.name) for entry in scanned)
+        return any(entry.name != LOCKS and not TEMPORARY_NAME.fullmatch(entry.name) for entry in scanned)
 
 
 def is_folder(path: Path) -> bool:
@@ -195,10 +197,10 @@ def clear_but_mark(folder: Path, own: Collection[str], within: Callable[[str], b
     linkwright's."""
     _clear(folder, own, within, "")
     with os.scandir(folder) as scanned:
-        others_stay = any(not _is_manifest(entry.name) for entry in scanned)
-    if not others_stay:
+        has_other_files = any(not _is_manifest(entry.name) for entry in scanned)
+    if not has_other_files:
         clear(folder, ())
-    elif ours(folder) != {}:
+    elif written_files(folder) != {}:
         write(folder, {})
 
 
@@ -217,8 +219,8 @@ def _clear(folder: Path, own: Collection[str], within: Callable[[str], bool], ba
 
 def _remove_if_empty(folder: Path) -> None:
     with os.scandir(folder) as scanned:
-        empty = next(scanned, None) is None
-    if empty:
+        is_empty = next(scanned, None) is None
+    if is_empty:
         folder.rmdir()
 
 
@@ -236,16 +238,16 @@ def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[st
 
 def builds_in(folder: Path) -> Iterator[Path]:
     """Yields the folders of builds and sweeps at or below a folder, including unfinished ones."""
-    for top, below, files in os.walk(folder):
+    for top, subfolders, files in os.walk(folder):
         path = Path(top)
         if NAME in files or is_build(path) or is_sweep(path):
-            below.clear()
+            subfolders.clear()
             yield path
-        below[:] = sorted(name for name in below if name != LOCKS)
+        subfolders[:] = sorted(name for name in subfolders if name != LOCKS)
 
 
 def _is_manifest(name: str) -> bool:
-    return name == NAME or STAGED.fullmatch(name) is not None
+    return name == NAME or TEMPORARY_NAME.fullmatch(name) is not None
 
 
 def _json(file: Path) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import yaml
 
 from linkwright.pipeline.caching.actions import Cache
 from linkwright.pipeline.caching.actions import folder as cache_folder
-from linkwright.pipeline.caching.bundles import named, recall
+from linkwright.pipeline.caching.bundles import readable_files, recall
 from linkwright.pipeline.caching.store import Store
 from linkwright.pipeline.config.files import yaml_file
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError
@@ -21,7 +21,9 @@ from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.fetch.bundle.archive import is_bundle, pack, read
 
 
-def packed(name: str, out: Path, cache: str | None, environ: Mapping[str, str]) -> tuple[Path, bytes, int]:
+def pack_build(
+    name: str, out: Path, cache: str | None, environ: Mapping[str, str]
+) -> tuple[Path, bytes, int]:
     """Returns the folder of a build, the zip's bytes, and the number of replies in it.
 
     `name`: the name of the robot, or the output folder; `cache`: the cache folder, or None for the usual
@@ -31,12 +33,12 @@ def packed(name: str, out: Path, cache: str | None, environ: Mapping[str, str]) 
     """
     folder = find(name, "bundle")
     _require_free(out)
-    manifest = _manifest(folder)
-    roots = _caches(folder, cache, environ)
+    manifest = _manifest_digest(folder)
+    roots = _cache_folders(folder, cache, environ)
     for root in roots:
         bundle = recall(Cache(Store(root)), manifest) if root.is_dir() else None
         if bundle is not None:
-            Secrets(environ).check(named(bundle))
+            Secrets(environ).check(readable_files(bundle))
             data = pack(bundle)
             # Read it back, so that a bundle that is too large fails here.
             return folder, data, len(read(data, str(out)).blobs)
@@ -57,7 +59,7 @@ def _require_free(out: Path) -> None:
         raise ConfigError(msg, "bundle", "choose another name: only an older bundle is replaced")
 
 
-def _manifest(folder: Path) -> str:
+def _manifest_digest(folder: Path) -> str:
     """Returns the digest of the build's inputs, from its report; raises OutputError if it read nothing."""
     report = json.loads((folder / "report.json").read_bytes())
     bundle = report.get("bundle")
@@ -68,13 +70,13 @@ def _manifest(folder: Path) -> str:
     return manifest
 
 
-def _caches(folder: Path, named_cache: str | None, environ: Mapping[str, str]) -> list[Path]:
+def _cache_folders(folder: Path, named_cache: str | None, environ: Mapping[str, str]) -> list[Path]:
     """Returns the cache folders to search: the given folder, else the build's, then the default folder."""
-    candidates = [named_cache] if named_cache else [_configured(folder), None]
+    candidates = [named_cache] if named_cache else [_configured_cache(folder), None]
     return list(dict.fromkeys(cache_folder(place, environ) for place in candidates))
 
 
-def _configured(folder: Path) -> str | None:
+def _configured_cache(folder: Path) -> str | None:
     """Returns the key `cache.dir` of the build, if it had one."""
     try:
         plan: Any = yaml_file.read(folder / "config.yaml")

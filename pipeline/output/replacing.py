@@ -13,15 +13,15 @@ def replace(file: Path, data: bytes) -> None:
     A kill may leave a hidden file beside it, whose name ends in `.tmp`.
     """
     # Random, since hosts may have the same name, and processes on them the same number.
-    staged = file.with_name(f".{file.name.lstrip('.')}.{secrets.token_hex(4)}.tmp")
+    temporary = file.with_name(f".{file.name.lstrip('.')}.{secrets.token_hex(4)}.tmp")
 
     def write() -> None:
-        staged.write_bytes(data)
-        staged.replace(file)
+        temporary.write_bytes(data)
+        temporary.replace(file)
 
     try:
         with_retries(write)
     except BaseException:
         with contextlib.suppress(OSError):
-            staged.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
         raise

@@ -10,11 +10,13 @@ import sys
 def is_command() -> bool:
     """Tells whether Python is loading this package for `python -m linkwright`."""
     words = sys.orig_argv
-    named = any(
+    names_linkwright = any(
         word[:1] == "-" and word[-1:] == "m" and module.partition(".")[0] == "linkwright"
         for word, module in zip(words, words[1:])  # noqa: RUF007 (itertools is not loaded yet)
     )
-    return sys.argv[:1] == ["-m"] and (named or any(word.startswith("-mlinkwright") for word in words))
+    return sys.argv[:1] == ["-m"] and (
+        names_linkwright or any(word.startswith("-mlinkwright") for word in words)
+    )
 
 
 def leave_out_working_folder() -> None:
@@ -24,15 +26,15 @@ def leave_out_working_folder() -> None:
         working_folder = _normalized(os.getcwd())  # noqa: PTH109
     except OSError:  # the folder was deleted
         working_folder = ""
-    sys.path[:] = _without(sys.path, working_folder)
+    sys.path[:] = _without_folder(sys.path, working_folder)
     os.environ["PYTHONSAFEPATH"] = "1"
     if "PYTHONPATH" in os.environ:
         os.environ["PYTHONPATH"] = os.pathsep.join(
-            _without(os.environ["PYTHONPATH"].split(os.pathsep), working_folder)
+            _without_folder(os.environ["PYTHONPATH"].split(os.pathsep), working_folder)
         )
 
 
-def _without(places: "list[str]", folder: str) -> "list[str]":
+def _without_folder(places: "list[str]", folder: str) -> "list[str]":
     return [place for place in places if place and _normalized(place) != folder]
 
 

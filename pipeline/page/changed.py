@@ -7,7 +7,7 @@ from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.robot.text.plural import count
 
 
-def changed(changes: BuildChanges | None, secrets: Secrets) -> str:
+def changes_section(changes: BuildChanges | None, secrets: Secrets) -> str:
     """Renders the section; "" if no build was replaced."""
     if changes is None:
         return ""

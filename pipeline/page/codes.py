@@ -20,10 +20,12 @@ def to_code(code: str, words: str = "") -> str:
     return link(f"#{code}", words or code) if code in explanations() else text(words or code)
 
 
-def codes(used: Iterable[str]) -> str:
+def codes(page_codes: Iterable[str]) -> str:
     """Renders the section about the codes that a page uses; "" without any."""
-    explained = sorted({*used} & explanations().keys())
-    return rendered("codes", codes=[(code, explanations()[code]) for code in explained]) if explained else ""
+    known_codes = sorted({*page_codes} & explanations().keys())
+    return (
+        rendered("codes", codes=[(code, explanations()[code]) for code in known_codes]) if known_codes else ""
+    )
 
 
 def problems_of(tree: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -43,15 +43,19 @@ def colliders(details: Mapping[str, Any], pictures: str, secrets: Secrets) -> st
         return ""
     missing = sorted((row for row in rows if not _is_within(row)), key=lambda row: -(row["miss"] or 0.0))
     meeting = [row for row in rows if _is_within(row)]
-    judged, within = (sum(row["tolerance"] is not None for row in group) for group in (rows, meeting))
+    judged_count, near_count = (
+        sum(row["tolerance"] is not None for row in group) for group in (rows, meeting)
+    )
     return rendered(
         "colliders",
-        title=f"Colliders: {within} of {judged} within the tolerance" if judged else "Colliders",
+        title=f"Colliders: {near_count} of {judged_count} within the tolerance"
+        if judged_count
+        else "Colliders",
         missing=_table(missing),
         meeting=_table(meeting),
-        near=within,
-        judged=judged,
-        unjudged=len(meeting) - within,
+        near=near_count,
+        judged=judged_count,
+        unjudged=len(meeting) - near_count,
         totals=_totals(details.get("links", []), rows),
         gallery=_gallery(pictures, secrets),
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from linkwright.pipeline.changes.build_changes import BuildChanges
-from linkwright.pipeline.page.changed import changed
+from linkwright.pipeline.page.changed import changes_section
 from linkwright.pipeline.page.checks import checks
 from linkwright.pipeline.page.codes import codes, problems_of
 from linkwright.pipeline.page.colliders import colliders
@@ -84,7 +84,7 @@ def frame(
         ReportSection("variants", "Variants", variants(details.get("variants", {}))),
         ReportSection("cost", "Time", cost(tree)),
         ReportSection("provenance", "Provenance", provenance(tree)),
-        ReportSection("changes", "Changes", changed(changes, secrets)),
+        ReportSection("changes", "Changes", changes_section(changes, secrets)),
         ReportSection("files", "Files", files(tree["outputs"], sizes)),
         ReportSection("codes", "Codes", codes(_codes(tree) | {fix.code for fix in to_fix[:MAX_FIXES]})),
     ]

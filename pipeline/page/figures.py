@@ -38,22 +38,22 @@ def name_of(key: str) -> str:
     return f"{figure.plural}, {figure.unit}" if figure.unit else figure.plural
 
 
-def said(key: str) -> str:
+def sentence_name(key: str) -> str:
     """Returns the name of a figure in a sentence."""
     figure = NAMES.get(key)
     return key.replace("_", " ") if figure is None else figure.plural
 
 
-def counted(key: str, value: float) -> str:
+def figure_text(key: str, value: float) -> str:
     """Returns a figure with its value: "11 links", "mass 3.2 kg"."""
     figure = NAMES.get(key)
     if figure is None:
-        return f"{key.replace('_', ' ')} {shown(value)}"
+        return f"{key.replace('_', ' ')} {value_text(value)}"
     if figure.unit:
-        return f"{figure.plural} {shown(value)} {figure.unit}"
-    return f"{shown(value)} {figure.singular if value == 1 else figure.plural}"
+        return f"{figure.plural} {value_text(value)} {figure.unit}"
+    return f"{value_text(value)} {figure.singular if value == 1 else figure.plural}"
 
 
-def shown(value: float) -> str:
+def value_text(value: float) -> str:
     """Returns a figure's value as text."""
     return f"{value:,}" if isinstance(value, int) else f"{value:.6g}"

@@ -26,17 +26,17 @@ def graph(
     """Renders the section; "" without a graph. `is_file`: whether the picture is also a file beside the
     page."""
     other_titles = {title for titles in SECTIONS.values() for title in titles}
-    parts = [(table["title"], _plain(table)) for table in tables if table["title"] not in other_titles]
+    parts = [(table["title"], _page_table(table)) for table in tables if table["title"] not in other_titles]
     if not (svg or outline or any(part for _, part in parts)):
         return ""
-    drawn, width = _picture(svg, secrets)
+    picture, width = _picture(svg, secrets)
     full = file_link(PICTURE) if is_file else ""
-    return rendered("graph", picture=drawn, width=width, full=full, outline="\n".join(outline), parts=parts)
+    return rendered("graph", picture=picture, width=width, full=full, outline="\n".join(outline), parts=parts)
 
 
 def tables_of(title: str, tables: Sequence[Table]) -> str:
     """Renders one of `SECTIONS`; "" without its first table."""
-    page_tables = {table["title"]: _plain(table) for table in tables}
+    page_tables = {table["title"]: _page_table(table) for table in tables}
     first, *other_titles = SECTIONS[title]
     parts = [(name, page_tables.get(name)) for name in other_titles]
     return (
@@ -46,14 +46,16 @@ def tables_of(title: str, tables: Sequence[Table]) -> str:
     )
 
 
-def _plain(table: Table) -> PageTable | None:
+def _page_table(table: Table) -> PageTable | None:
     return plain_table(table["header"], table["rows"])
 
 
 def _picture(svg: str, secrets: Secrets) -> tuple[Markup, str]:
     """Returns the picture without its XML declaration, and its width; secrets are blanked in its texts
     only."""
-    bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
-    drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
-    size = re.match(r'<svg [^>]*?width="(\d+)"', drawn)
-    return Markup(drawn), size[1] if size else ""
+    svg_element = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
+    picture = re.sub(
+        r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", svg_element
+    )
+    size = re.match(r'<svg [^>]*?width="(\d+)"', picture)
+    return Markup(picture), size[1] if size else ""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.pipeline.page.figures import name_of, shown
+from linkwright.pipeline.page.figures import name_of, value_text
 from linkwright.pipeline.page.html.tables import PageTable, plain_pairs, plain_table
 from linkwright.pipeline.page.html.template import file_link, link, rendered
 
@@ -20,10 +20,10 @@ def provenance(tree: Mapping[str, Any]) -> str:
     address = str(source.get("url", ""))
     if address.startswith(("https://", "http://")):
         source["url"] = link(address, address)
-    figures = {name_of(key): shown(value) for key, value in tree["figures"].items()}
+    figures = {name_of(key): value_text(value) for key, value in tree["figures"].items()}
     groups = {"Source": plain_pairs(source), "Versions": plain_pairs(tree["versions"]), "Figures": figures}
     if tree["objective"]:
-        groups["Objective"] = {name: shown(value) for name, value in tree["objective"].items()}
+        groups["Objective"] = {name: value_text(value) for name, value in tree["objective"].items()}
     return rendered("provenance", groups=groups)
 
 

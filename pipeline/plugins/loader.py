@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from linkwright.stages.validate.user_checks import UserCheck
 
 
-NOW_IN = "a check imports these from linkwright: from linkwright import Check, Finding, CompiledModel"
+IMPORT_HINT = "a check imports these from linkwright: from linkwright import Check, Finding, CompiledModel"
 
-LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
+SEARCH_HINT = "it is looked for where Python looks, and in the working folder"
 
 
 def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
@@ -42,7 +42,7 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
         raise ConfigError(msg, where, f"if you trust it: {error.line}") from error
     except Exception as error:
         msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
-        raise ConfigError(msg, where, NOW_IN if _uses_earlier_names(error) else LOOKED_FOR) from error
+        raise ConfigError(msg, where, IMPORT_HINT if _uses_earlier_names(error) else SEARCH_HINT) from error
     code = getattr(imported, name, None)
     if not callable(code):
         public = sorted(
@@ -61,7 +61,7 @@ def _uses_earlier_names(error: Exception) -> bool:
     return (name or "").partition(".")[0] in ("pipeline", "stages")
 
 
-def named(plan: Plan) -> None:
+def require_code(plan: Plan) -> None:
     """Raises ConfigError if code that `validate.checks` names cannot be found, or a module of `plugins` does
     not exist. Code of a module that is not trusted is reported where the configuration is composed."""
     if not plan.plugins:
@@ -70,13 +70,13 @@ def named(plan: Plan) -> None:
     for plugin in plan.plugins:
         if not _exists(plugin):
             msg = f"there is no module {plugin}"
-            raise ConfigError(msg, "plugins", LOOKED_FOR)
+            raise ConfigError(msg, "plugins", SEARCH_HINT)
     for number, entry in enumerate(plan.validate.checks):
         if is_in_modules(entry[TARGET_KEY], plan.plugins):
             target(entry, plan.plugins, _check_key(number))
 
 
-def cost(plan: Plan) -> Callable[..., Any] | None:
+def objective_function(plan: Plan) -> Callable[..., Any] | None:
     """Returns the user's own objective; None if the configuration has none. Raises ConfigError if it cannot
     be found."""
     if plan.objective is None or plan.objective.target is None:
@@ -85,7 +85,7 @@ def cost(plan: Plan) -> Callable[..., Any] | None:
     return function
 
 
-def own(plan: Plan) -> "tuple[UserCheck, ...]":
+def user_checks(plan: Plan) -> "tuple[UserCheck, ...]":
     """Returns the user's own checks of a build, each with its keys. Raises ConfigError if a check cannot be
     found."""
     if not plan.validate.checks:
@@ -112,13 +112,13 @@ def with_sources(keys: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
     results depend too. None, so that nothing is kept, if the text of that code is unknown."""
     if not plan.validate.checks:
         return keys
-    text = sources(plan.plugins)
+    text = sources_digest(plan.plugins)
     return None if text is None else {**keys, "plugins": text}
 
 
-def sources(plugins: Sequence[str]) -> str | None:
-    """Returns the digest of the text of these modules, and of all modules of a package; None if the text of a
-    module is unknown."""
+def sources_digest(plugins: Sequence[str]) -> str | None:
+    """Returns a digest of the source texts of these modules, for packages with all their modules; None if a
+    text is unknown."""
     trust(plugins)
     digests = []
     for plugin in plugins:

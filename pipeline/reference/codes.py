@@ -7,8 +7,8 @@ from pathlib import Path
 
 import linkwright.stages
 
-_FILES = ("DIAGNOSTICS.md", "CHECKS.md")
-_ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$", re.MULTILINE)
+_TABLE_FILES = ("DIAGNOSTICS.md", "CHECKS.md")
+_ROW_PATTERN = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$", re.MULTILINE)
 
 _LEVELS = {"E": "error", "W": "warning", "I": "info", "C": "check"}
 
@@ -26,8 +26,13 @@ class Explanation:
 @functools.cache
 def explanations() -> dict[str, Explanation]:
     """Returns the explanation of each code; {} if the tables are not installed."""
-    files = [Path(folder) / name for folder in linkwright.stages.__path__ for name in _FILES]
-    rows = [row for file in files if file.is_file() for row in _ROW.findall(file.read_text(encoding="utf-8"))]
+    files = [Path(folder) / name for folder in linkwright.stages.__path__ for name in _TABLE_FILES]
+    rows = [
+        row
+        for file in files
+        if file.is_file()
+        for row in _ROW_PATTERN.findall(file.read_text(encoding="utf-8"))
+    ]
     return {code: Explanation(meaning, remedy, stages) for code, stages, meaning, remedy in rows}
 
 

@@ -48,7 +48,7 @@ def entries() -> tuple[KeyEntry, ...]:
     return tuple(KeyEntry(**{**row, "words": tuple(row["words"])}) for row in rows)
 
 
-def is_any(name: str) -> bool:
+def is_placeholder(name: str) -> bool:
     """Tells whether a part of a key is a placeholder for any name."""
     return name.startswith("<")
 
@@ -60,7 +60,7 @@ def matching(key: str, among: Iterable[KeyEntry]) -> list[KeyEntry]:
         entry
         for entry in among
         if len(entry.names) == len(parts)
-        and all(is_any(name) or name == part for name, part in zip(entry.names, parts))
+        and all(is_placeholder(name) or name == part for name, part in zip(entry.names, parts))
     ]
 
 

@@ -21,7 +21,7 @@ from linkwright.pipeline.errors import (
 from linkwright.pipeline.output.folder import FAILED, Output
 from linkwright.pipeline.output.room import require_room
 from linkwright.pipeline.report import Report
-from linkwright.pipeline.run.early_imports import Ahead
+from linkwright.pipeline.run.early_imports import EarlyImports
 from linkwright.pipeline.run.preflight import destination, expected_files, plan_problems, suffix_of
 from linkwright.pipeline.run.products import products
 from linkwright.pipeline.run.state import Run
@@ -33,7 +33,7 @@ from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 
 
 @dataclass(frozen=True, slots=True)
-class Built:
+class BuildResult:
     """A finished build in memory."""
 
     report: Report
@@ -75,7 +75,7 @@ def build_files(
     stages: tuple[Stage, ...] = STAGES,
     in_memory: bool = False,
     sweep: Path | None = None,
-) -> Built:
+) -> BuildResult:
     """Builds as `build` does, and returns the files. `in_memory`: whether to write no output folder, even
     after a failure."""
     environ = os.environ if environ is None else environ
@@ -83,7 +83,7 @@ def build_files(
     suffix = suffix_of(plan)
     log = Log(environ)
     run = Run(plan, "" if in_memory else f"{plan.folder}{suffix}", log, Tee(log, progress or Quiet()))
-    output = prepared_output(run, environ, stages, in_memory)
+    output = prepare_output(run, environ, stages, in_memory)
     run.note(remarks(plan))
     files: dict[str, bytes] = {}
     documents: dict[str, bytes] = {}
@@ -92,7 +92,7 @@ def build_files(
             # Beside the permanent cache, even if this build does not use that cache.
             ledger = actions.folder(plan.cache.dir, environ) / LEDGER
             context = BuildContext(plan, store, environ, ledger=ledger)
-            ahead = Ahead({stage.name: stage.modules for stage in stages})
+            ahead = EarlyImports({stage.name: stage.modules for stage in stages})
             context.import_ahead = ahead.start
             context.require_room = functools.partial(require_room, store.store, output, suffix)
             with ahead:
@@ -104,17 +104,17 @@ def build_files(
             files = products(context)
             log.secrets.check(files)
             if output:
-                run.look(context, sweep)
-                run.draw()
-            finished_report = run.finished(context, files)
+                run.make_live_view(context, sweep)
+                run.finish_drawing()
+            finished_report = run.success_report(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
                 documents = run.documents(finished_report, files, output.folder(suffix))
                 interrupt.check()
-                all_files = {**files, **run.seen.files, **run.pictures.files, **documents}
+                all_files = {**files, **run.live_view.files, **run.pictures.files, **documents}
                 output.publish(all_files, suffix, finished_report.outputs)
     except Exception as error:
-        if interrupt.behind(error):
+        if interrupt.is_cause_of(error):
             raise KeyboardInterrupt from error
         # A result that cannot be moved into the output folder is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
@@ -124,10 +124,10 @@ def build_files(
         run.progress.close()
     if output:
         output.remove(FAILED)
-    return Built(finished_report, files, robot, documents, run, context.actions)
+    return BuildResult(finished_report, files, robot, documents, run, context.actions)
 
 
-def prepared_output(
+def prepare_output(
     run: Run, environ: Mapping[str, str], stages: tuple[Stage, ...], in_memory: bool
 ) -> Output | None:
     """Prepares and returns the output folder; None for a build in memory. Raises ConfigError with all
@@ -156,14 +156,14 @@ def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapp
     if not isinstance(error, LinkwrightError):
         for line in "".join(traceback.format_exception(error)).splitlines():
             run.log.line(line)
-    failed = run.failed(error)
+    failure_report = run.failure_report(error)
     failure_folder = None
     try:
         if output:
-            failure_folder = output.publish({**files, **run.documents(failed, files)}, FAILED)
-    except LinkwrightError as second:
+            failure_folder = output.publish({**files, **run.documents(failure_report, files)}, FAILED)
+    except LinkwrightError as write_error:
         # The first error is raised.
-        run.progress.detail("output", f"no report of this failure could be written: {second}")
+        run.progress.detail("output", f"no report of this failure could be written: {write_error}")
     else:
-        for line in report.failure_lines(failed, failure_folder):
+        for line in report.failure_lines(failure_report, failure_folder):
             error.add_note(line)

@@ -6,7 +6,7 @@ from importlib import import_module
 from threading import Event, Lock, Thread
 
 
-class Ahead:
+class EarlyImports:
     """Imports the modules of the stages in a thread, stage after stage, from the first `start` on."""
 
     def __init__(self, modules: Mapping[str, Iterable[str]]) -> None:
@@ -29,7 +29,7 @@ class Ahead:
         if self._thread is not None:
             self._imported[stage].wait()
 
-    def __enter__(self) -> "Ahead":
+    def __enter__(self) -> "EarlyImports":
         return self
 
     def __exit__(self, *_: object) -> None:

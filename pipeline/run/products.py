@@ -16,7 +16,7 @@ def products(context: BuildContext) -> dict[str, bytes]:
     if "export" in context.files:
         files = dict(context.files["export"].below(FILES))
     elif "graph" in context.files:
-        files = {"robot.json": described(context)}
+        files = {"robot.json": robot_json(context)}
     if "graph" in context.files and PICTURE in context.files["graph"]:
         files[PICTURE] = context.files["graph"][PICTURE]
     return files
@@ -24,15 +24,15 @@ def products(context: BuildContext) -> dict[str, bytes]:
 
 def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]:
     """Returns the SHA-256 of each product; the cache knows most of them."""
-    cached: dict[str, str] = {}
+    known_digests: dict[str, str] = {}
     if "export" in context.files:
-        cached = context.files["export"].below(FILES).digests
+        known_digests = context.files["export"].below(FILES).digests
     if PICTURE in files:
-        cached[PICTURE] = context.files["graph"].digests[PICTURE]
-    return {path: cached.get(path) or sha256(data) for path, data in sorted(files.items())}
+        known_digests[PICTURE] = context.files["graph"].digests[PICTURE]
+    return {path: known_digests.get(path) or sha256(data) for path, data in sorted(files.items())}
 
 
-def described(context: BuildContext) -> bytes:
+def robot_json(context: BuildContext) -> bytes:
     """Returns `robot.json` as `description` writes it, without drives, since their trial run needs the
     meshes. The result is cached, since writing it needs slow imports."""
 

@@ -23,11 +23,11 @@ def single(command: Command, build: "Callable[[Plan], Report] | None" = None) ->
     """Runs the build of a command line, prints its result, and returns the exit status; with `--json` returns
     the document of the result. `build` replaces the real build in tests."""
     if build is not None:
-        made = build(_plan(command))
-        return build_document(made, whole=False) if command.json else made.exit_status
+        test_report = build(_plan(command))
+        return build_document(test_report, whole=False) if command.json else test_report.exit_status
     progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
-    report = unchanged.again(action, command, progress)
+    report = unchanged.reuse(action, command, progress)
     if report is None:
         # Late: an unchanged build does not need it.
         from linkwright.pipeline.run.build import build_files
@@ -37,9 +37,9 @@ def single(command: Command, build: "Callable[[Plan], Report] | None" = None) ->
             if not (plan.plugins or plan.validate.external):
                 # No code here draws with MuJoCo, which else starts a process to look for a window library.
                 os.environ.setdefault("MUJOCO_GL", "disable")
-            built = build_files(plan, progress)
-        unchanged.remember(action, command, observations, built)
-        report = built.report
+            result = build_files(plan, progress)
+        unchanged.remember(action, command, observations, result)
+        report = result.report
     if command.json:
         return build_document(report, whole=command.detail == "all")
     print_closing_text(report, sys.stdout, command.detail)

@@ -16,7 +16,7 @@ from linkwright.pipeline.config.files.file_text import as_yaml
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError, SecretFound, exit_status
-from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.mesh_details import as_cached
 from linkwright.pipeline.objective.value import objective
 from linkwright.pipeline.page.document import frame
 from linkwright.pipeline.page.live_view import with_view
@@ -25,7 +25,7 @@ from linkwright.pipeline.report import Report, StageReport, Status
 from linkwright.pipeline.run.products import digests
 from linkwright.pipeline.run.strictness import strict_checks
 from linkwright.pipeline.show.live import NOTHING, Live, is_plain, live
-from linkwright.pipeline.show.preview import NONE, Drawing, Preview, begun
+from linkwright.pipeline.show.preview import NONE, Drawing, Preview, start_drawing
 from linkwright.pipeline.stages.context import FILES, NOTES, BuildContext
 from linkwright.pipeline.stages.stage import STAGES, Stage, libraries, perform
 from linkwright.pipeline.terminal.progress import Log, Progress
@@ -55,8 +55,8 @@ class Run:
     stale: bool = False
     saved: int = 0
     advice: str = ""
-    shown: dict[str, str] = field(default_factory=dict)
-    seen: Live = NOTHING
+    views: dict[str, str] = field(default_factory=dict)
+    live_view: Live = NOTHING
     drawing: Drawing = field(default_factory=Drawing)
     pictures: Preview = NONE
 
@@ -64,7 +64,7 @@ class Run:
         self.source |= describe(self.plan)
 
     @property
-    def named(self) -> bool:
+    def has_user_name(self) -> bool:
         """Tells whether the user named the robot; else its name comes from its source."""
         return self.plan.name != default_robot_name({"url": self.source.get("url")})
 
@@ -78,11 +78,11 @@ class Run:
         files, cached = perform(stage, context)
         seconds = time.perf_counter() - start
         context.files[stage.name] = files
-        self.shown |= {name: files[name].decode() for name in (*VIEWS, PICTURES) if name in files}
+        self.views |= {name: files[name].decode() for name in (*VIEWS, PICTURES) if name in files}
         notes = json.loads(files[NOTES])
         self.figures |= notes["figures"]
         details = notes.get("details", {})
-        self.details |= kept(details) if cached else details
+        self.details |= as_cached(details) if cached else details
         self.source |= notes.get("source", {})
         self.advice = notes.get("advice", self.advice)
         self.stale = self.stale or notes.get("stale", False)
@@ -107,27 +107,27 @@ class Run:
                 self.diagnostics.append(diagnostic)
                 self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
 
-    def look(self, context: BuildContext, sweep: Path | None) -> None:
+    def make_live_view(self, context: BuildContext, sweep: Path | None) -> None:
         """Makes the live view of the robot in `report.html`."""
         self.progress.start("page")
         say = functools.partial(self.progress.detail, "page")
-        self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
-        self.note(self.seen.diagnostics)
+        self.live_view = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
+        self.note(self.live_view.diagnostics)
 
     def begin_drawing(self, context: BuildContext) -> None:
         """Begins to draw the robot's picture while the following stages run."""
         if not is_plain(context.environ):
             exported = context.files["export"].below(FILES)
             kind, say = self.plan.page.preview, functools.partial(self.progress.detail, "page")
-            self.drawing = begun(context.cache, exported, exported.digests, kind, say)
+            self.drawing = start_drawing(context.cache, exported, exported.digests, kind, say)
 
-    def draw(self) -> None:
+    def finish_drawing(self) -> None:
         """Waits for the robot's picture, and records it."""
         self.pictures = self.drawing.result()
         self.note(self.pictures.diagnostics)
         self.progress.close()
 
-    def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
+    def success_report(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """Returns the report of a build whose stages all ran and made `files`."""
         checks: tuple[Check, ...] = ()
         if "validate" in context.files:
@@ -139,18 +139,23 @@ class Run:
         status: Status = "stale" if self.stale else "built"
         if any(check.fails for check in checks):
             status = "invalid"
-        ended = BUILT if status == "built" else UNMET
+        status_code = BUILT if status == "built" else UNMET
         outputs, picture = digests(context, files), self.pictures.path
         value = objective(context, files, checks)
         return self.report(
-            status=status, exit_status=ended, checks=checks, outputs=outputs, preview=picture, objective=value
+            status=status,
+            exit_status=status_code,
+            checks=checks,
+            outputs=outputs,
+            preview=picture,
+            objective=value,
         )
 
-    def failed(self, error: BaseException) -> Report:
+    def failure_report(self, error: BaseException) -> Report:
         """Returns the report of a build that `error` ended."""
         if isinstance(error, SecretFound):
             # The findings of the stages may contain a part of the secret.
-            self.shown, self.diagnostics = {}, []
+            self.views, self.diagnostics = {}, []
         details: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
         if isinstance(error, LinkwrightError):
             details |= {"message": error.message, "where": error.where, "hint": error.hint}
@@ -158,10 +163,11 @@ class Run:
         return self.report(status="failed", exit_status=exit_status(error), error=details)
 
     def report(self, **fields: Any) -> Report:
-        installed = {name: v for stage in STAGES for name, v in libraries(stage).items()}
+        """Returns a report with the given fields, and the others from the state."""
+        installed = {name: version for stage in STAGES for name, version in libraries(stage).items()}
         return Report(
             name=self.plan.name,
-            title="" if self.named else self.source.get("title", ""),
+            title="" if self.has_user_name else self.source.get("title", ""),
             folder=self.folder,
             until=self.plan.until,
             source=self.source,
@@ -172,28 +178,30 @@ class Run:
             details=self.details,
             diagnostics=tuple(self.diagnostics),
             advice=self.advice,
-            outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
-            narrow_outline=tuple(self.shown.get(NARROW_OUTLINE, "").splitlines()),
+            outline=tuple(self.views.get(OUTLINE, "").splitlines()),
+            narrow_outline=tuple(self.views.get(NARROW_OUTLINE, "").splitlines()),
             versions=report.versions(installed),
             **fields,
         )
 
     def documents(
-        self, result: Report, files: Mapping[str, bytes], last: Path | None = None
+        self, result: Report, files: Mapping[str, bytes], last_folder: Path | None = None
     ) -> dict[str, bytes]:
-        """Returns the documents about the build. `files`: the robot's files; `last`: the folder of the last
-        build, whose differences the page lists."""
+        """Returns the documents about the build. `files`: the robot's files; `last_folder`: the folder of the
+        last build, whose differences the page lists."""
         self.log.line(f"{result.status}: exit status {result.exit_status}")
         config = as_yaml(self.log.secrets.within(self.plan.tree()))
-        page_files = (*self.seen.files, *self.pictures.files)
+        page_files = (*self.live_view.files, *self.pictures.files)
         changes = (
-            None if last is None else compare_builds(last, result.outputs, files, page_files, result.checks)
+            None
+            if last_folder is None
+            else compare_builds(last_folder, result.outputs, files, page_files, result.checks)
         )
-        page = with_view(self.page(result, files, changes), self.seen)
+        page = with_view(self.page(result, files, changes), self.live_view)
         return documents(result, page, config, self.log)
 
     def page(self, result: Report, files: Mapping[str, bytes], changes: BuildChanges | None) -> str:
         """Returns the page about the build, without the live view."""
         sizes = {path: len(data) for path, data in files.items()}
-        moves, secrets = self.seen.pack is not None, self.log.secrets
-        return frame(result, self.shown, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)
+        moves, secrets = self.live_view.pack is not None, self.log.secrets
+        return frame(result, self.views, sizes, secrets, moves=moves, pictures=self.pictures, changes=changes)

@@ -24,7 +24,7 @@ from linkwright.pipeline.changes.build_changes import BuildChanges, compare_buil
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.documents import documents
 from linkwright.pipeline.errors import LinkwrightError
-from linkwright.pipeline.mesh_details import kept
+from linkwright.pipeline.mesh_details import as_cached
 from linkwright.pipeline.observed import AnsweredQuestion, Observations
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import FAILED, Output
@@ -39,7 +39,7 @@ from linkwright.stages.fetch import force, keys_to_read_again, read_again
 from linkwright.stages.robot import codec
 
 if TYPE_CHECKING:
-    from linkwright.pipeline.run.build import Built
+    from linkwright.pipeline.run.build import BuildResult
 
 VERSION = 2
 """Must be increased when a record changes its meaning."""
@@ -50,7 +50,7 @@ _FILES, _PICTURES = "files/", "pictures/"
 """Names of blobs: the record itself; the page without its live view, and the view; and the folders of the
 robot's files and of its pictures."""
 
-_CACHE = re.compile(r"(?:\+\+)?cache\.dir=([\w./~+-]+)")
+_CACHE_OVERRIDE = re.compile(r"(?:\+\+)?cache\.dir=([\w./~+-]+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def action_of(command: Command) -> Action:
     return Action("build", VERSION, command_values, {"program": program.identity()})
 
 
-def remember(action: Action, command: Command, observations: Observations, built: "Built") -> None:
+def remember(action: Action, command: Command, observations: Observations, built: "BuildResult") -> None:
     """Keeps a record of a build that ended, if the same answers lead to the same build."""
     run = built.run
     if not observations.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
@@ -101,7 +101,7 @@ def remember(action: Action, command: Command, observations: Observations, built
         _RECORD: json.dumps(codec.plain(record)).encode(),
         CONFIG: built.documents[CONFIG],
         _PAGE: run.page(record.report, built.files, BuildChanges()).encode(),
-        **({} if run.seen.pack is None else {_PACK: run.seen.pack}),
+        **({} if run.live_view.pack is None else {_PACK: run.live_view.pack}),
         **{_PICTURES + name: data for name, data in run.pictures.files.items()},
         **{_FILES + path: data for path, data in built.files.items()},
     }
@@ -113,7 +113,7 @@ def remember(action: Action, command: Command, observations: Observations, built
         return  # The build is whole; the next one runs as usual.
 
 
-def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
+def _is_known_by_its_answers(built: "BuildResult", cache: str | None) -> bool:
     """Tells whether the build is whole, and depends only on questions asked before its first stage. `cache`:
     the folder in which the next build looks for the record."""
     plan, run, report = built.run.plan, built.run, built.report
@@ -122,10 +122,10 @@ def _is_known_by_its_answers(built: "Built", cache: str | None) -> bool:
     if plan.plugins or plan.validate.checks or plan.validate.external or getattr(plan.source, "trust", False):
         return False
     is_complete = report.status in ("built", "invalid") and len(built.actions) == len(report.stages)
-    return is_complete and run.seen.lasts and run.pictures.lasts
+    return is_complete and run.live_view.lasts and run.pictures.lasts
 
 
-def _record_of(built: "Built", answers: tuple[AnsweredQuestion, ...]) -> BuildRecord:
+def _record_of(built: "BuildResult", answers: tuple[AnsweredQuestion, ...]) -> BuildRecord:
     # Late: an unchanged build remembers nothing.
     from linkwright.pipeline.run.preflight import suffix_of
 
@@ -133,7 +133,7 @@ def _record_of(built: "Built", answers: tuple[AnsweredQuestion, ...]) -> BuildRe
     return BuildRecord(
         answers=answers,
         source=keys_to_read_again(run.plan),
-        content=_content(built.actions["fetch"].config["pinned"]),
+        content=_identity_digest(built.actions["fetch"].config["pinned"]),
         stages=tuple(action.key for action in built.actions.values()),
         folder=str(run.plan.folder),
         suffix=suffix_of(run.plan),
@@ -142,14 +142,14 @@ def _record_of(built: "Built", answers: tuple[AnsweredQuestion, ...]) -> BuildRe
             report,
             calls={"made": 0, "saved": run.saved},
             stages=tuple(replace(stage, cached=True, seconds=0.0) for stage in report.stages),
-            details=kept(report.details),
+            details=as_cached(report.details),
         ),
         notes=tuple(tuple(lines) for lines in run.log.notes),
-        engine=run.seen.engine,
+        engine=run.live_view.engine,
     )
 
 
-def again(action: Action, command: Command, progress: Progress) -> Report | None:
+def reuse(action: Action, command: Command, progress: Progress) -> Report | None:
     """Returns the report of an unchanged build, whose documents are written again; None if the build must
     run."""
     try:
@@ -162,11 +162,13 @@ def again(action: Action, command: Command, progress: Progress) -> Report | None
             if files is None or record is None or not _is_unchanged(record, action, cache):
                 return None
             require_free(
-                Output(record.folder).target, _taken(record), actions.folder(cache_folder, os.environ)
+                Output(record.folder).target,
+                _reserved_paths(record),
+                actions.folder(cache_folder, os.environ),
             )
-            return _renewed(record, files, progress)
+            return _renew_output(record, files, progress)
     except Exception:  # A record is damaged, or a folder refuses access: the build reports the error.
-        if interrupt.came():
+        if interrupt.has_come():
             raise
         return None
 
@@ -174,14 +176,14 @@ def again(action: Action, command: Command, progress: Progress) -> Report | None
 def _is_unchanged(record: BuildRecord, action: Action, cache: Cache) -> bool:
     if not observed.have_same_answers(record.answers, action.key):
         return False
-    if record.source and _content(read_again(record.source, os.environ)) != record.content:
+    if record.source and _identity_digest(read_again(record.source, os.environ)) != record.content:
         return False
     # Reading a record marks it as used, so that `linkwright cache gc` drops it late.
     records = [cache.store.record(key) for key in record.stages]
     return None not in records
 
 
-def _renewed(record: BuildRecord, files: Files, progress: Progress) -> Report | None:
+def _renew_output(record: BuildRecord, files: Files, progress: Progress) -> Report | None:
     """Writes the output folder again, with new documents; None if it does not hold this very build."""
     report, log = record.report, Log(os.environ)
     say = Tee(log, progress)
@@ -202,25 +204,25 @@ def _renewed(record: BuildRecord, files: Files, progress: Progress) -> Report | 
         log.done(stage)
     for line in record.notes[-1]:
         log.line(line)
-    about = documents(report, with_view(files[_PAGE].decode(), live), files[CONFIG], log)
+    new_documents = documents(report, with_view(files[_PAGE].decode(), live), files[CONFIG], log)
     interrupt.check()
-    output.publish({**robot, **page_files, **about}, record.suffix, report.outputs)
+    output.publish({**robot, **page_files, **new_documents}, record.suffix, report.outputs)
     output.remove(FAILED)
     for stage in report.stages:
         progress.done(stage)
     return report
 
 
-def _content(identity: Mapping[str, Any] | None) -> str:
+def _identity_digest(identity: Mapping[str, Any] | None) -> str:
     return sha256(canonical(identity))
 
 
-def _taken(record: BuildRecord) -> dict[str, Path]:
+def _reserved_paths(record: BuildRecord) -> dict[str, Path]:
     path = record.source.get("path")
     return {"the source": Path(path)} if path else {}
 
 
 def _cache_folder(command: Command) -> str | None:
     """Returns the cache folder that the command line names, if its override is plain."""
-    folders = [match[1] for match in map(_CACHE.fullmatch, command.overrides) if match]
+    folders = [match[1] for match in map(_CACHE_OVERRIDE.fullmatch, command.overrides) if match]
     return folders[-1] if folders else None

@@ -31,7 +31,7 @@ _LIBRARIES = ("linkwright", "mujoco", "numpy", "scipy", "manifold3d", "lxml")
 _PACK, _POSED, _REFUSED = "pack", "posed.pack", "refused.txt"
 """Files of a cached view: a pack, a pack without a model for the engine, or the reason for no pack."""
 
-_WITHOUT = "no live view"
+_NO_VIEW = "no live view"
 
 Engine = Literal["whole", "shared", "none"]
 
@@ -83,16 +83,16 @@ def live(
     exported = context.files["export"].below(FILES)
     source = source_of(exported, context.plan.name)
     if source is None:
-        why = f"{_WITHOUT}: there is no MJCF or URDF"
-        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", "export one: export=[mjcf,...]"),))
+        message = f"{_NO_VIEW}: there is no MJCF or URDF"
+        return Live(diagnostics=(Diagnostic(CODE, message, "report.html", "export one: export=[mjcf,...]"),))
     try:
         files = _view_files(context, source, [_shown_fields(row) for row in colliders], say)
     except Exception as error:  # Whatever it is, the robot is built.
-        why = f"{_WITHOUT}: {type(error).__name__}: {error}"
-        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", ""),), lasts=False)
+        message = f"{_NO_VIEW}: {type(error).__name__}: {error}"
+        return Live(diagnostics=(Diagnostic(CODE, message, "report.html", ""),), lasts=False)
     if _REFUSED in files:
-        why = f"{_WITHOUT}: {files[_REFUSED].decode()}"
-        return Live(diagnostics=(Diagnostic(CODE, why, "report.html", ""),))
+        message = f"{_NO_VIEW}: {files[_REFUSED].decode()}"
+        return Live(diagnostics=(Diagnostic(CODE, message, "report.html", ""),))
     if _POSED in files:
         return Live(files[_POSED])
     return _with_engine(files[_PACK], context.plan.page.live, folder, sweep)
@@ -124,7 +124,7 @@ def _view_files(
 ) -> Mapping[str, bytes]:
     """Returns the files of the view, as the cache keeps them."""
     exported = context.files["export"].below(FILES)
-    needed = [path for path in sorted(exported) if not path.endswith(NEVER_READ)]
+    needed_paths = [path for path in sorted(exported) if not path.endswith(NEVER_READ)]
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:
@@ -132,7 +132,7 @@ def _view_files(
         from linkwright.stages.show.live.scene import pack_of
 
         start = time.perf_counter()
-        with context.cache.store.scratch({path: exported[path] for path in needed}) as folder:
+        with context.cache.store.scratch({path: exported[path] for path in needed_paths}) as folder:
             try:
                 pack = pack_of(folder, source, context.robot, colliders, faces)
             except ValueError as error:
@@ -141,7 +141,7 @@ def _view_files(
         say(f"the view of the robot took {time.perf_counter() - start:.1f} s, {len(pack) / 1e6:.2f} MB")
         return {_PACK if read_pack(pack)[0]["engine"] else _POSED: pack}
 
-    inputs = {path: exported.digests[path] for path in needed}
+    inputs = {path: exported.digests[path] for path in needed_paths}
     inputs |= {"robot": context.files["graph"].digests[ROBOT], "colliders": sha256(canonical(colliders))}
     config = {"source": source, "faces": faces}
     versions = {name: installed(name) for name in _LIBRARIES}

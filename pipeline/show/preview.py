@@ -30,7 +30,7 @@ Make = Callable[[], Mapping[str, bytes]]
 CODE = "I-PREVIEW"
 
 _HINT = "page.preview=none leaves it out"
-_OTHERWISE = "export it as MJCF or URDF too: export=[mjcf,...]"
+_EXPORT_HINT = "export it as MJCF or URDF too: export=[mjcf,...]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Drawing:
     end: Callable[[], None] = lambda: None
 
 
-def begun(
+def start_drawing(
     cache: Cache,
     files: Mapping[str, bytes],
     digests: Mapping[str, str],
@@ -87,14 +87,14 @@ def begun(
         return Drawing()
     model = model_of(files)
     if model is None:
-        without = _without("MuJoCo reads none of the exported files", _OTHERWISE)
-        return Drawing(lambda: without)
-    needed = needed_by(model, files)
-    inputs = {path: digests.get(path) or sha256(files[path]) for path in needed}
+        no_preview = _no_preview("MuJoCo reads none of the exported files", _EXPORT_HINT)
+        return Drawing(lambda: no_preview)
+    needed_paths = needed_by(model, files)
+    inputs = {path: digests.get(path) or sha256(files[path]) for path in needed_paths}
     action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions("mujoco", "numpy"))
-    make, end = _nothing, _no_end
+    make, end = _no_pictures, _no_end
     if cache.reusable(action) is None:
-        make, end = _begin_painting(cache, model, {path: files[path] for path in needed}, kind, say)
+        make, end = _begin_painting(cache, model, {path: files[path] for path in needed_paths}, kind, say)
     return Drawing(lambda: _preview(cache.run(action, make, lasts=_lasts)[0], kind), end)
 
 
@@ -126,9 +126,9 @@ def _begin_painting(
 
 
 def _preview(pictures: Mapping[str, bytes], kind: Kind) -> Preview:
-    for why in (REFUSED, ENDED):
-        if why in pictures:
-            return _without(json.loads(pictures[why])["why"], _HINT, lasts=why == REFUSED)
+    for file in (REFUSED, ENDED):
+        if file in pictures:
+            return _no_preview(json.loads(pictures[file])["why"], _HINT, lasts=file == REFUSED)
     return Preview({name: pictures[name] for name in names(kind)}, pictures[SMALL])
 
 
@@ -136,7 +136,7 @@ def _lasts(pictures: Mapping[str, bytes]) -> bool:
     return ENDED not in pictures
 
 
-def _nothing() -> Mapping[str, bytes]:
+def _no_pictures() -> Mapping[str, bytes]:
     return {}
 
 
@@ -148,6 +148,6 @@ def _versions(*libraries: str) -> dict[str, str]:
     return {name: installed(name) for name in libraries}
 
 
-def _without(why: str, hint: str, lasts: bool = True) -> Preview:
-    diagnostic = Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint)
+def _no_preview(reason: str, hint: str, lasts: bool = True) -> Preview:
+    diagnostic = Diagnostic(CODE, f"no preview of the robot: {reason}", PICTURE, hint)
     return Preview({}, diagnostics=(diagnostic,), lasts=lasts)

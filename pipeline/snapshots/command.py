@@ -31,7 +31,7 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
                 say(renewal.text)
         except LinkwrightError as error:
             errors.append(error)
-            if (text := titled(error, subject)) not in shown:  # robots of one name have one message
+            if (text := error_text(error, subject)) not in shown:  # robots of one name have one message
                 shown.add(text)
                 say(text, sys.stderr)
     if check:
@@ -53,7 +53,7 @@ def run(folder: Path, config_dirs: Iterable[str], check: bool) -> int:
     return _status(errors)
 
 
-def titled(error: LinkwrightError, subject: SnapshotSubject) -> str:
+def error_text(error: LinkwrightError, subject: SnapshotSubject) -> str:
     """Returns the message of an error, which begins with the subject unless the error names it."""
     text = render(error)
     names_subject = isinstance(error, ValidationFailed) or subject.title in error.where

@@ -6,7 +6,7 @@ from linkwright.pipeline.snapshots.text import CONFIGURATION, FIGURES, Entries, 
 from linkwright.stages.robot.text.plural import count
 
 _NOUNS = {CONFIGURATION: "key", FIGURES: "figure"}
-_ABSENT = {CONFIGURATION: "(default)"}
+_ABSENT_VALUES = {CONFIGURATION: "(default)"}
 
 
 def differences(old: str, new: str) -> list[str]:
@@ -16,7 +16,7 @@ def differences(old: str, new: str) -> list[str]:
         return ["it is a snapshot of another format"]
     lines: list[str] = []
     for section in dict.fromkeys(section for section, _ in (*before, *after)):
-        changed = [*_changed(before, after, section)]
+        changed = [*_changed_lines(before, after, section)]
         if changed:
             noun = _NOUNS.get(section, "choice")
             lines += [f"{count(len(changed), noun)} changed:", *(f"  {line}" for line in changed)]
@@ -26,8 +26,8 @@ def differences(old: str, new: str) -> list[str]:
     return lines
 
 
-def _changed(before: Entries, after: Entries, section: str) -> Iterator[str]:
-    default_value = _ABSENT.get(section, "(none)")
+def _changed_lines(before: Entries, after: Entries, section: str) -> Iterator[str]:
+    default_value = _ABSENT_VALUES.get(section, "(none)")
     for entry in dict.fromkeys([*after, *before]):
         old, new = before.get(entry, default_value), after.get(entry, default_value)
         if entry[0] == section and old != new:

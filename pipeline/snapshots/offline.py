@@ -17,22 +17,22 @@ class _Watch:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._inside = 0
-        self._hooked = False
+        self._thread_count = 0
+        self._has_hook = False
 
     def enter(self) -> None:
         with self._lock:
-            self._inside += 1
-            if not self._hooked:
-                sys.addaudithook(self._judge)
-                self._hooked = True
+            self._thread_count += 1
+            if not self._has_hook:
+                sys.addaudithook(self._refuse_network)
+                self._has_hook = True
 
     def leave(self) -> None:
         with self._lock:
-            self._inside -= 1
+            self._thread_count -= 1
 
-    def _judge(self, event: str, details: tuple[Any, ...]) -> None:
-        if not self._inside or event not in _NETWORK_EVENTS:
+    def _refuse_network(self, event: str, details: tuple[Any, ...]) -> None:
+        if not self._thread_count or event not in _NETWORK_EVENTS:
             return
         # A local socket, such as that between processes, has a path for an address.
         address = details[1] if event in ("socket.connect", "socket.sendto") else details[:2]

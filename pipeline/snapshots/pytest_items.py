@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from linkwright.pipeline.errors import LinkwrightError
-from linkwright.pipeline.snapshots.command import titled
+from linkwright.pipeline.snapshots.command import error_text
 from linkwright.pipeline.snapshots.snapshot_folder import SnapshotFolder
 from linkwright.pipeline.snapshots.subjects import (
     FOLDER,
@@ -90,7 +90,7 @@ class SnapshotTest(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         if isinstance(excinfo.value, LinkwrightError):
-            return titled(excinfo.value, self._subject)
+            return error_text(excinfo.value, self._subject)
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, None, str]:

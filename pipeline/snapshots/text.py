@@ -11,7 +11,7 @@ from typing import Any
 
 from linkwright.pipeline.config.compose import Composed
 from linkwright.pipeline.config.plain import as_written
-from linkwright.pipeline.config.presets import GROUPS, SEVERAL
+from linkwright.pipeline.config.presets import GROUPS, MULTIPLE_GROUPS
 from linkwright.pipeline.key_path import Place, key_of
 from linkwright.pipeline.snapshots.figures import Figures
 from linkwright.pipeline.snapshots.subjects import SnapshotSubject
@@ -66,9 +66,9 @@ def subject_of(entries: Entries) -> SnapshotSubject:
 def _choices(plan_of_subject: Composed) -> dict[str, Any]:
     """Returns the chosen options of each group, including defaults, without the option `none`."""
     groups = {str(group): option for group, option in plan_of_subject.config.hydra.runtime.choices.items()}
-    chosen = {group: groups.get(group) for group in GROUPS if group not in SEVERAL}
+    chosen = {group: groups.get(group) for group in GROUPS if group not in MULTIPLE_GROUPS}
     plan = plan_of_subject.plan.tree()
-    for group in SEVERAL:
+    for group in MULTIPLE_GROUPS:
         chosen[group] = sorted(name for name, keys in plan[group].items() if keys is not None)
     chosen |= {group: option for group, option in groups.items() if group not in GROUPS and "/" not in group}
     return {group: chosen[group] for group in sorted(chosen) if chosen[group] not in (None, "none", [])}
@@ -80,28 +80,30 @@ def _keys(plan_of_subject: Composed) -> Iterator[tuple[str, Any]]:
     plan = plan_of_subject.plan
     changed = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     written, computed = as_written(plan_of_subject.config), sorted(plan_of_subject.computed, key=str)
-    for place, value in _ends(plan.tree(), changed, computed):
+    for place, value in _changed_places(plan.tree(), changed, computed):
         with suppress(KeyError, IndexError, TypeError):
-            value = _put_back(value, place, written, computed)
+            value = _with_interpolations(value, place, written, computed)
         yield key_of(place), value
 
 
-def _ends(tree: Any, changed: Any, computed: list[Place], place: Place = ()) -> Iterator[tuple[Place, Any]]:
+def _changed_places(
+    tree: Any, changed: Any, computed: list[Place], place: Place = ()
+) -> Iterator[tuple[Place, Any]]:
     """Yields the places of `tree` that are in `changed` or are computed, with their values. A computed value
     is written even if it equals the default."""
     for name, value in tree.items():
-        inner = (*place, name)
+        inner_place = (*place, name)
         is_changed = isinstance(changed, Mapping) and name in changed
-        is_computed = any(computed_place[: len(inner)] == inner for computed_place in computed)
-        below = changed[name] if is_changed else {}
-        if isinstance(value, Mapping) and value and inner not in computed:
+        is_computed = any(computed_place[: len(inner_place)] == inner_place for computed_place in computed)
+        changed_below = changed[name] if is_changed else {}
+        if isinstance(value, Mapping) and value and inner_place not in computed:
             if is_changed or is_computed:
-                yield from _ends(value, below, computed, inner)
-        elif is_changed or is_computed or inner == KIND:
-            yield inner, value
+                yield from _changed_places(value, changed_below, computed, inner_place)
+        elif is_changed or is_computed or inner_place == KIND:
+            yield inner_place, value
 
 
-def _put_back(value: Any, place: Place, written: Any, computed: list[Place]) -> Any:
+def _with_interpolations(value: Any, place: Place, written: Any, computed: list[Place]) -> Any:
     """Returns a value with its interpolations as they are written."""
     for name in place:
         written = written[name]
@@ -109,16 +111,16 @@ def _put_back(value: Any, place: Place, written: Any, computed: list[Place]) -> 
         return written
     for computed_place in computed:
         if computed_place[: len(place)] == place:
-            value = _replaced(value, computed_place[len(place) :], written)
+            value = _with_written_part(value, computed_place[len(place) :], written)
     return value
 
 
-def _replaced(value: Any, place: Place, written: Any) -> Any:
+def _with_written_part(value: Any, place: Place, written: Any) -> Any:
     """Returns a value in which the part at a place is replaced by the written text."""
     if not place:
         return written
     changed: Any = list(value) if isinstance(value, list) else dict(value)
-    changed[place[0]] = _replaced(value[place[0]], place[1:], written[place[0]])
+    changed[place[0]] = _with_written_part(value[place[0]], place[1:], written[place[0]])
     return changed
 
 

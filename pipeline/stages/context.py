@@ -101,6 +101,7 @@ def notes(
     figures: Mapping[str, float] | None = None,
     **entries: Any,
 ) -> bytes:
+    """Returns the notes of a stage as JSON: summary, diagnostics, figures and further `entries`."""
     content = {
         "summary": summary,
         "diagnostics": codec.plain(diagnostics),
@@ -110,14 +111,14 @@ def notes(
     return json.dumps(content, indent=1).encode()
 
 
-def spent(calls: "Calls") -> dict[str, Any]:
+def call_record(calls: "Calls") -> dict[str, Any]:
     """Returns the API calls of a fetch in the form of `Report.calls`."""
-    spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
+    record: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
     if calls.made:
-        spent |= {
+        record |= {
             "counted_this_year": calls.year,
             "remaining": dict(calls.remaining),
             "served": dict(calls.served),
             "waited": round(calls.waited, 1),
         }
-    return spent
+    return record

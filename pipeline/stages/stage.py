@@ -21,9 +21,9 @@ from linkwright.pipeline.caching.actions import Action, Files, MemoResult
 from linkwright.pipeline.config.plan import Plan, section
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.element_files import require_valid_elements
-from linkwright.pipeline.mesh_details import noted, shown
-from linkwright.pipeline.plugins.loader import named, own, with_sources
-from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, notes, spent
+from linkwright.pipeline.mesh_details import mesh_notes, progress_of
+from linkwright.pipeline.plugins.loader import require_code, user_checks, with_sources
+from linkwright.pipeline.stages.context import FILES, NOTES, ROBOT, WRITTEN, BuildContext, call_record, notes
 from linkwright.pipeline.stages.stage_base import Stage as Stage
 from linkwright.pipeline.stages.stage_base import StageBase
 from linkwright.stages.export import export
@@ -70,18 +70,18 @@ class FetchStage(StageBase):
 
     def ahead(self, context: BuildContext) -> CallsAhead:
         """Returns the API calls that `run` will make to a remote source."""
-        with _asking(context) as asking:
-            return ahead(context.plan, asking)
+        with _fetch_context(context) as fetch_context:
+            return ahead(context.plan, fetch_context)
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         if spends(context.plan):
             context.require_room()
-        with _asking(context) as asking:
-            fetched = fetch(context.plan, asking)
+        with _fetch_context(context) as fetch_context:
+            fetched = fetch(context.plan, fetch_context)
         bundle = fetched.bundle
-        context.cache.check(bundles.named(bundle))
+        context.cache.check(bundles.readable_files(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
-        passing: dict[str, Any] = {} if fetched.lasts else {"lasts": False}
+        lasting_note: dict[str, Any] = {} if fetched.lasts else {"lasts": False}
         return {
             **codec.encode_bundle(bundle),
             NOTES: notes(
@@ -90,13 +90,13 @@ class FetchStage(StageBase):
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
                 stale=fetched.stale,
-                **passing,
+                **lasting_note,
             ),
         }
 
 
 @contextlib.contextmanager
-def _asking(context: BuildContext) -> Iterator[FetchContext]:
+def _fetch_context(context: BuildContext) -> Iterator[FetchContext]:
     """Yields the context of a fetch, and counts its API calls even if it fails."""
     calls = Calls()
     try:
@@ -111,7 +111,7 @@ def _asking(context: BuildContext) -> Iterator[FetchContext]:
             while_waiting=context.import_ahead,
         )
     finally:
-        context.calls |= spent(calls)
+        context.calls |= call_record(calls)
 
 
 class GraphStage(StageBase):
@@ -172,11 +172,11 @@ class MeshStage(StageBase):
         versions = {name: version for name, version in libraries(self).items() if name != "mujoco"}
         memo_results: list[MemoResult] = []
         memo = context.cache.memo(self.name, self.version, versions, memo_results.append)
-        geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
+        geometry = make_geometry(context.robot, context.bundle, context.plan, memo, progress_of(context))
         return {
             **codec.encode_geometry(geometry),
             **mesh_views(geometry, memo),
-            NOTES: noted(geometry, memo_results),
+            NOTES: mesh_notes(geometry, memo_results),
         }
 
 
@@ -227,7 +227,7 @@ class ValidateStage(StageBase):
         return ("linkwright.stages.validate.engines", "linkwright.stages.validate.checks")
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        named(plan)
+        require_code(plan)
         external.require(plan.validate.external, plan.export.chosen, environ)
 
     def config(self, context: BuildContext) -> Any:
@@ -247,12 +247,15 @@ class ValidateStage(StageBase):
     def run(self, context: BuildContext) -> dict[str, bytes]:
         tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.written, context.plan, own(context.plan))
+            checks = validate(folder, context.written, context.plan, user_checks(context.plan))
             checks += external.check_externally(folder, context.robot.name, tools, context.environ)
             figures = measured(folder, context.robot.name, context.plan.validate.level)
         summary = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"
-        passing: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
-        return {"checks.json": codec.encode_checks(checks), NOTES: notes(summary, figures=figures, **passing)}
+        lasting_note: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
+        return {
+            "checks.json": codec.encode_checks(checks),
+            NOTES: notes(summary, figures=figures, **lasting_note),
+        }
 
 
 STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())

@@ -58,7 +58,7 @@ class JobGroup:
     """The numbers of the jobs."""
 
     ahead: CallsAhead | None = None
-    """The calls that the fetch will make; None before `Fetching.look`."""
+    """The calls that the fetch will make; None before `Fetching.ask_servers`."""
 
     error: LinkwrightError | None = None
     """The error that ended the fetch."""
@@ -113,13 +113,13 @@ class Fetching:
             if group.error:
                 continue
             try:
-                with self._opened(group) as context:
+                with self._build_context(group) as context:
                     group.ahead = _STAGE.ahead(context)
                 group.pin = group.ahead.pin
             except QuotaExhausted:
                 continue  # The last fetched state may do, which the fetch decides.
             except LinkwrightError as error:
-                self._failed(group, error)
+                self._record_failure(group, error)
         self._count()
         for group in self.groups:
             if group.ahead and self.more and not _source(group).offline:
@@ -133,7 +133,7 @@ class Fetching:
             source = _source(group)
             offline = group.plan.model_copy(update={"source": source.model_copy(update={"offline": True})})
             try:
-                with self._opened(replace(group, plan=offline)) as context:
+                with self._build_context(replace(group, plan=offline)) as context:
                     group.ahead = _STAGE.ahead(context)
             except LinkwrightError:
                 unknown += 1
@@ -169,7 +169,7 @@ class Fetching:
                 say(
                     f"fetching configuration {position} of {len(self.groups)}: {jobs[group.numbers[0]].label}"
                 )
-            stage = self._fetched(group)
+            stage = self._fetch_group(group)
             for job in group.numbers:
                 jobs[job] = replace(jobs[job], fetched=stage, pin=group.pin)
         return list(jobs.values())
@@ -181,13 +181,13 @@ class Fetching:
         for group in self.groups:
             if group.error:
                 by_message.setdefault(str(group.error), []).append(self._jobs[group.numbers[0]])
-        return [f"{named(jobs)}: {message}" for message, jobs in by_message.items()]
+        return [f"{job_names(jobs)}: {message}" for message, jobs in by_message.items()]
 
-    def _fetched(self, group: JobGroup) -> Prefetched:
+    def _fetch_group(self, group: JobGroup) -> Prefetched:
         identity = source_identity(group.plan)
         if group.error is None:
             try:
-                with self._opened(group) as context:
+                with self._build_context(group) as context:
                     files, _ = perform(_STAGE, context)
                     if not _source(group).url.pinned:
                         group.pin = f"m/{json.loads(files[NOTES])['source']['microversion']}"
@@ -195,22 +195,22 @@ class Fetching:
                     stage.keep(files, context.cache)
                     return stage
             except LinkwrightError as error:
-                self._failed(group, error)
+                self._record_failure(group, error)
         return Prefetched(identity, group.pin, group.error)
 
-    def _failed(self, group: JobGroup, error: LinkwrightError) -> None:
+    def _record_failure(self, group: JobGroup, error: LinkwrightError) -> None:
         """Fails the group, and the other groups too if no other request to that server would succeed."""
         if error.where == BUDGET:
             raise error
-        general = isinstance(error, AuthError | RateLimited) or (
+        is_general = isinstance(error, AuthError | RateLimited) or (
             isinstance(error, Offline) and not _source(group).offline
         )
-        for affected in self.groups if general else [group]:
+        for affected in self.groups if is_general else [group]:
             if affected is group or _workspace_path(affected) == _workspace_path(group):
                 affected.error = affected.error or error
 
     @contextlib.contextmanager
-    def _opened(self, group: JobGroup) -> Iterator[BuildContext]:
+    def _build_context(self, group: JobGroup) -> Iterator[BuildContext]:
         plan, environ = group.plan, self._environ
         if group.error:
             raise group.error
@@ -227,7 +227,7 @@ class Fetching:
                 self.state.made += context.calls["made"]
 
 
-def named(jobs: Sequence["Job"]) -> str:
+def job_names(jobs: Sequence["Job"]) -> str:
     """Names jobs in a message: a single job by number and label, several by the first numbers."""
     if len(jobs) == 1:
         return f"job {jobs[0].number} ({jobs[0].label})"

@@ -21,7 +21,7 @@ from linkwright.pipeline.page.sweep.document import page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.show.live import ENGINE_FILE, engine_file, is_plain
 from linkwright.pipeline.sweep import summary_csv, summary_json
-from linkwright.pipeline.sweep.outcome import Outcome, planned, state_of
+from linkwright.pipeline.sweep.outcome import Outcome, missing_outcome, state_of
 from linkwright.pipeline.sweep.outcome_files import withdraw
 from linkwright.pipeline.sweep.summary_csv import FILE_NAME
 from linkwright.pipeline.sweep.summary_json import SUMMARY
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Environ = Mapping[str, str]
 
 PAGE, ACCOUNT = "summary.html", "multirun.yaml"
-OWN = (SUMMARY, PAGE, FILE_NAME, ACCOUNT, ENGINE_FILE)
+SWEEP_FILES = (SUMMARY, PAGE, FILE_NAME, ACCOUNT, ENGINE_FILE)
 """The files of a sweep itself: the outcomes of its jobs (as data, for people, and for spreadsheets), Hydra's
 record of the sweep, and the viewer's engine, which the pages of its jobs share."""
 
@@ -46,7 +46,7 @@ def prepare(
     with output_errors(root):
         for job in jobs:
             withdraw(job.plan.folder)
-    missing = [planned(job.number, job.label, job.overrides, str(job.plan.folder)) for job in jobs]
+    missing = [missing_outcome(job.number, job.label, job.overrides, str(job.plan.folder)) for job in jobs]
     record(root, missing, overrides, environ)
 
 
@@ -61,22 +61,22 @@ def mark(root: Path, plan: Plan, environ: Environ = os.environ) -> None:
         if manifest.is_build(absolute_root):
             raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
         if manifest.is_foreign(absolute_root):
-            raise conflicts.foreign(root)
-        stopped = _in_the_way(absolute_root)
-        if stopped and not plan.overwrite:
-            raise ConfigError(conflicts.message(root, stopped), "output", conflicts.ways_out(root))
+            raise conflicts.foreign_folder_error(root)
+        blockers = _blockers(absolute_root)
+        if blockers and not plan.overwrite:
+            raise ConfigError(conflicts.message(root, blockers), "output", conflicts.conflict_hint(root))
         absolute_root.mkdir(parents=True, exist_ok=True)
-        for path in stopped:
+        for path in blockers:
             move_aside(absolute_root / path, absolute_root, path)
         # Any content counts as the sweep's own until it ends, since it may be killed.
-        manifest.write_shared(absolute_root, dict.fromkeys(OWN))
+        manifest.write_shared(absolute_root, dict.fromkeys(SWEEP_FILES))
         if plan.page.live != "kinematics" and not is_plain(environ):
             replace(absolute_root / ENGINE_FILE, engine_file())
 
 
 def is_marked(root: Path) -> bool:
     """Tells whether the folder is that of a sweep."""
-    return manifest.ours(root) is not None or manifest.is_sweep(root)
+    return manifest.written_files(root) is not None or manifest.is_sweep(root)
 
 
 def record(
@@ -98,7 +98,9 @@ def record(
 def is_recorded(root: Path, folders: Sequence[Path]) -> bool:
     """Tells whether the last run in the folder of a sweep has jobs with these folders."""
     last: Mapping[str, Any] = next(reversed(summary_json.runs(root)), {})
-    return bool(last.get("folders") == [summary_json.inside(str(folder), root) for folder in folders])
+    return bool(
+        last.get("folders") == [summary_json.relative_folder(str(folder), root) for folder in folders]
+    )
 
 
 def write_summaries(outcomes: Iterable[Outcome], root: Path) -> None:
@@ -108,12 +110,12 @@ def write_summaries(outcomes: Iterable[Outcome], root: Path) -> None:
     with output_errors(root), _exclusively(root):
         *earlier_runs, run = summary_json.runs(root) or [{"started": None, "overrides": []}]
         # Any content counts as the sweep's own while it is written, since a kill may end that.
-        manifest.write_shared(root, dict.fromkeys(OWN))
+        manifest.write_shared(root, dict.fromkeys(SWEEP_FILES))
         replace(root / SUMMARY, summary_json.text([*earlier_runs, {**run, "jobs": jobs}]))
         with_states = [{**job, "state": state_of(job["status"], job["message"])} for job in jobs]
         replace(root / FILE_NAME, summary_csv.csv_content(with_states))
         replace(root / PAGE, _page(root, with_states))
-        file_names = [name for name in OWN if (root / name).is_file()]
+        file_names = [name for name in SWEEP_FILES if (root / name).is_file()]
         manifest.write_shared(root, {name: sha256((root / name).read_bytes()) for name in file_names})
 
 
@@ -133,16 +135,16 @@ def _rows(outcomes: Iterable[Outcome], root: Path) -> list[dict[str, Any]]:
     secrets = Secrets(os.environ)
     rows = []
     for outcome in sorted(outcomes, key=lambda outcome: outcome.number):
-        row = asdict(outcome) | {"folder": summary_json.inside(outcome.folder, root)}
+        row = asdict(outcome) | {"folder": summary_json.relative_folder(outcome.folder, root)}
         rows.append(secrets.within(row) if secrets else row)
     return rows
 
 
-def _in_the_way(root: Path) -> dict[str, str]:
+def _blockers(root: Path) -> dict[str, str]:
     """Returns the foreign or changed files at the paths that a sweep writes: path → reason."""
-    own_files = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
+    own_files = manifest.written_files(root) or dict.fromkeys(SWEEP_FILES if manifest.is_sweep(root) else ())
     entries = manifest.foreign_or_changed(root, own_files) if root.is_dir() else ()
-    return {entry.path: conflicts.why(entry) for entry in entries if entry.path in OWN}
+    return {entry.path: conflicts.block_reason(entry) for entry in entries if entry.path in SWEEP_FILES}
 
 
 def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:

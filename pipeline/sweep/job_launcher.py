@@ -7,7 +7,7 @@ from pathlib import Path
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.report import Report
 from linkwright.pipeline.run.build import build as build_robot
-from linkwright.pipeline.secrets import withheld
+from linkwright.pipeline.secrets import withhold_keys
 from linkwright.pipeline.sweep.launch import Config, SweepRecord, announcement, launch
 from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.run import Job, Task, print_line
@@ -29,5 +29,5 @@ def launch_jobs(
     text = announcement(config, len(jobs), root)
     if text and not is_quiet:
         print_line(text)
-    with withheld():
+    with withhold_keys():
         return launch(config, task, root, record, first)

@@ -53,7 +53,7 @@ MINIMA = {"timeout_min": 1, "mem_gb": 1, "cpus_per_task": 1, "array_parallelism"
 """Smallest allowed values of launchers' settings, which submitit does not check."""
 
 
-class Launched(Protocol):
+class LaunchedTask(Protocol):
     """The task that launchers run, in any process."""
 
     def __call__(self, number: int) -> Any:
@@ -115,7 +115,7 @@ def launcher_config(tree: DictConfig, settings: SweepSettings) -> DictConfig:
 
 
 def launch(
-    config: DictConfig, task: Launched, folder: Path, record: SweepRecord, first: int = 0
+    config: DictConfig, task: LaunchedTask, folder: Path, record: SweepRecord, first: int = 0
 ) -> list[Any]:
     """Runs `task(number)` for every job and returns the results; writes `multirun.yaml`.
 
@@ -135,13 +135,13 @@ def launch(
         launcher = Plugins.instance().instantiate_launcher(
             config=config,
             hydra_context=context(),
-            task_function=_Numbered(task, processors),
+            task_function=_JobFunction(task, processors),
         )
     except (HydraException, OmegaConfBaseException, ImportError, RuntimeError) as error:
         raise _cannot_start(error) from error
     (folder / ACCOUNT).write_text(record.text(config), encoding="utf-8")
     results: list[Any] = []
-    with _around(config, task):
+    with _launcher_context(config, task):
         for start in range(0, len(record.jobs), size):
             batch = [list(job) for job in record.jobs[start : start + size]]
             try:
@@ -155,13 +155,13 @@ def launch(
     return results
 
 
-def _around(config: DictConfig, task: Launched) -> ExitStack:
+def _launcher_context(config: DictConfig, task: LaunchedTask) -> ExitStack:
     """Returns the context in which the launcher must run its jobs."""
     stack = ExitStack()
     if config.hydra.runtime.choices[GROUP] != SERIAL:
         stack.enter_context(kept_from_workers())
     if _is_submitit(config):
-        stack.enter_context(import_module(SUBMITIT).judged(task.lost))
+        stack.enter_context(import_module(SUBMITIT).judge_jobs(task.lost))
     return stack
 
 
@@ -207,14 +207,14 @@ class _MasterLoader:
         return config
 
 
-class _Numbered:
+class _JobFunction:
     """Hydra's task function: calls the task with the number of the job.
 
     A job runs in the folder where the sweep was started, with its LINKWRIGHT_ variables, and `processors`
     processors.
     """
 
-    def __init__(self, task: Launched, processors: int | None) -> None:
+    def __init__(self, task: LaunchedTask, processors: int | None) -> None:
         self._task, self._processors = task, processors
         self._place, self._starter = os.getcwd(), os.getpid()  # noqa: PTH109
         self._variables = {

@@ -10,10 +10,10 @@ from pathlib import Path
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.json_documents.document import CommandDocument
 from linkwright.pipeline.json_documents.jobs import STALE, jobs_document
-from linkwright.pipeline.options import JSON, SHORT
+from linkwright.pipeline.options import JSON, LONG_OPTIONS
 from linkwright.pipeline.reference.exit_status import BUILT, FAILED, UNMET
 from linkwright.pipeline.sweep import job_list, listed_jobs
-from linkwright.pipeline.sweep.fetching import named
+from linkwright.pipeline.sweep.fetching import job_names
 from linkwright.pipeline.sweep.job_list import JobList, Share
 from linkwright.pipeline.sweep.outcome import Outcome, sweep_status
 from linkwright.pipeline.sweep.run import print_line
@@ -73,7 +73,7 @@ def job(arguments: Sequence[str]) -> int | CommandDocument:
     path, rest, share = request.path, request.rest, request.share
     if len(rest) != (0 if share else 1):
         raise ConfigError("expected a list of jobs, and a number or --shard", "job", _usage("job"))
-    with listed_jobs.opened(path) as listed:
+    with listed_jobs.open_list(path) as listed:
         chosen = [job_list.job_numbered(listed, rest[0], path)] if rest else listed.share(share)
         outcomes, unfetched = listed_jobs.run(listed, chosen, is_quiet=request.is_quiet)
     for outcome in outcomes:
@@ -85,7 +85,7 @@ def job(arguments: Sequence[str]) -> int | CommandDocument:
     if unfetched:
         jobs_text = "this job" if len(unfetched) == 1 else "these jobs"
         text = f"nothing is fetched for {jobs_text} yet"
-        raise Offline(text, named(unfetched), f"linkwright jobs {shlex.quote(str(path))} --fetch")
+        raise Offline(text, job_names(unfetched), f"linkwright jobs {shlex.quote(str(path))} --fetch")
     # A single job has its own exit status, unless it has not ended.
     status = sweep_status(outcomes)
     if rest and outcomes[0].status:
@@ -100,8 +100,8 @@ def _usage(verb: str) -> str:
 def _parse_arguments(verb: str, arguments: Sequence[str], options: Sequence[str]) -> _Request:
     """Parses the arguments; raises ConfigError for an unknown option or without a list."""
     unshared, share = job_list.split_share(arguments)
-    rest = [word for word in unshared if word != JSON and SHORT.get(word, word) != "--quiet"]
-    is_quiet = any(SHORT.get(word, word) == "--quiet" for word in unshared)
+    rest = [word for word in unshared if word != JSON and LONG_OPTIONS.get(word, word) != "--quiet"]
+    is_quiet = any(LONG_OPTIONS.get(word, word) == "--quiet" for word in unshared)
     unknown = [argument for argument in rest if argument.startswith("-") and argument not in options]
     if unknown:
         raise ConfigError(f"there is no option {unknown[0]}", verb, _usage(verb))
@@ -115,7 +115,7 @@ def _parse_arguments(verb: str, arguments: Sequence[str], options: Sequence[str]
 def _fetch(request: _Request) -> int | CommandDocument:
     """Fetches the sources of all jobs, and writes the list with the states that were fetched."""
     path, failures = request.path, list[str]()
-    with listed_jobs.opened(path) as listed:
+    with listed_jobs.open_list(path) as listed:
         pinned = listed
         if listed.sources:
             pinned, failures = listed_jobs.fetch(listed, (lambda _: None) if request.is_quiet else print_line)
@@ -130,7 +130,7 @@ def _fetch(request: _Request) -> int | CommandDocument:
 
 def _show_status(request: _Request) -> int | CommandDocument:
     """Shows a table of the jobs and their number by kind, and writes the summary of the sweep."""
-    with listed_jobs.opened(request.path) as listed:
+    with listed_jobs.open_list(request.path) as listed:
         outcomes = listed_jobs.outcomes(listed.share(request.share))
         # The summary is of all jobs, so a share writes none.
         if request.share is None:

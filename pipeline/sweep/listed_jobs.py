@@ -19,13 +19,13 @@ from linkwright.pipeline.json_documents.jobs import STALE
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.run.build import build
 from linkwright.pipeline.run.preflight import suffix_of
-from linkwright.pipeline.secrets import withheld
+from linkwright.pipeline.secrets import withhold_keys
 from linkwright.pipeline.stages.prefetched import Prefetched, source_identity
 from linkwright.pipeline.sweep import folder, job_list
 from linkwright.pipeline.sweep.fetching import Fetching
 from linkwright.pipeline.sweep.job_list import Digests, JobList, ListedJob
-from linkwright.pipeline.sweep.outcome import Outcome, planned
-from linkwright.pipeline.sweep.outcome_files import left
+from linkwright.pipeline.sweep.outcome import Outcome, missing_outcome
+from linkwright.pipeline.sweep.outcome_files import read_outcome
 from linkwright.pipeline.sweep.run import Job, Sweep, Task, expanded, usual_folder
 from linkwright.stages.fetch import remote
 
@@ -49,7 +49,7 @@ def job_list_of(command: Command, sweep: Sweep, fetching: Fetching, path: Path) 
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[JobList]:
+def open_list(path: Path) -> Iterator[JobList]:
     """Yields the list in a file, and makes its working folder that of this process for the time. Raises
     ConfigError without such a list or folder."""
     jobs = job_list.read(path)
@@ -61,7 +61,7 @@ def opened(path: Path) -> Iterator[JobList]:
         yield jobs
 
 
-def composed(jobs: JobList, chosen: Sequence[ListedJob]) -> list[Job]:
+def compose_jobs(jobs: JobList, chosen: Sequence[ListedJob]) -> list[Job]:
     """Composes the `chosen` jobs of a list again. Raises ConfigError if their configuration has changed."""
     digests, composed_jobs = Digests(), []
     with session(jobs.config_dirs) as composer:
@@ -94,7 +94,7 @@ def run(
 ) -> tuple[list[Outcome], list[Job]]:
     """Builds jobs one after the other, without an API key or an API call; returns their outcomes, and the
     jobs that are not built because nothing is fetched for them."""
-    all_jobs = composed(jobs, chosen)
+    all_jobs = compose_jobs(jobs, chosen)
     fetched = [job.fetched is None or _is_fetched(job.plan, job.fetched) for job in all_jobs]
     built, unfetched = list(compress(all_jobs, fetched)), list(compress(all_jobs, map(not_, fetched)))
     root = Path(jobs.folder)
@@ -106,7 +106,7 @@ def run(
             if not folder.is_marked(root):
                 raise
     task = Task(built, functools.partial(build, sweep=root), is_quiet=is_quiet)
-    with withheld():
+    with withhold_keys():
         return [task(job.number) for job in built], unfetched
 
 
@@ -121,7 +121,7 @@ def _is_fetched(plan: Plan, stage: Prefetched) -> bool:
 def fetch(jobs: JobList, say: Callable[[str], None]) -> tuple[JobList, list[str]]:
     """Fetches the sources of a list once; returns the list with the state that its jobs build, and a message
     for each reason why configurations cannot be fetched."""
-    fetching = Fetching(composed(jobs, jobs.sources))
+    fetching = Fetching(compose_jobs(jobs, jobs.sources))
     fetching.ask_servers()
     say(fetching.line(len(jobs.jobs)))
     pins = {job.number: job.pin for job in fetching.fetch(say)}
@@ -134,17 +134,17 @@ def outcomes(chosen: Sequence[ListedJob]) -> list[Outcome]:
     build has the message STALE."""
     ended = []
     for job in chosen:
-        default = planned(job.number, job.label, job.overrides, os.path.relpath(job.folder))
-        outcome = left(default, Path(job.folder))
+        default = missing_outcome(job.number, job.label, job.overrides, os.path.relpath(job.folder))
+        outcome = read_outcome(default, Path(job.folder))
         # A folder that is named by the job's number may hold the outcome of another sweep.
         is_other = outcome.ended and outcome.overrides != job.overrides
-        if is_other or (outcome.state in ("built", "unmet") and not _is_of(job)):
+        if is_other or (outcome.state in ("built", "unmet") and not _holds_build_of(job)):
             outcome = replace(default, message=STALE)
         ended.append(outcome)
     return ended
 
 
-def _is_of(job: ListedJob) -> bool:
+def _holds_build_of(job: ListedJob) -> bool:
     """Tells whether the output folder contains the build of the job's configuration and document state."""
     output_folder = Path(f"{job.folder}{job.suffix}")
     try:
@@ -165,6 +165,6 @@ def summarise(jobs: JobList, results: Sequence[Outcome]) -> None:
         return
     folders = [Path(job.folder) for job in jobs.jobs]
     if not folder.is_recorded(root, folders):
-        missing = [planned(job.number, job.label, job.overrides, job.folder) for job in jobs.jobs]
+        missing = [missing_outcome(job.number, job.label, job.overrides, job.folder) for job in jobs.jobs]
         folder.record(root, missing, jobs.overrides)
     folder.write_summaries(results, root)

@@ -76,7 +76,7 @@ def state_of(status: int | None, message: str) -> State:
     return "built" if status == BUILT else "unmet" if status == UNMET else "failed"
 
 
-def planned(number: int, label: str, overrides: Mapping[str, Any], folder: str) -> Outcome:
+def missing_outcome(number: int, label: str, overrides: Mapping[str, Any], folder: str) -> Outcome:
     """Returns the outcome of a job that has left nothing."""
     return Outcome(number, label, None, MISSING, folder, overrides)
 

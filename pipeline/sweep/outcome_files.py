@@ -19,12 +19,12 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.output.replacing import replace as replace_file
 from linkwright.pipeline.secrets import Secrets
 from linkwright.pipeline.sweep import summary_json
-from linkwright.pipeline.sweep.outcome import RUNNING, Outcome, planned
+from linkwright.pipeline.sweep.outcome import RUNNING, Outcome, missing_outcome
 from linkwright.stages.robot import codec
 
 SUFFIX = ".outcome.json"
 
-KILLED = "was killed before its end"
+KILLED_MESSAGE = "was killed before its end"
 
 
 def begin(folder: Path) -> None:
@@ -34,7 +34,7 @@ def begin(folder: Path) -> None:
 
 def leave(outcome: Outcome, folder: Path) -> None:
     """Records how the job of this output folder ended."""
-    _write(folder, {**asdict(outcome), "folder": summary_json.inside(outcome.folder, folder.parent)})
+    _write(folder, {**asdict(outcome), "folder": summary_json.relative_folder(outcome.folder, folder.parent)})
 
 
 def withdraw(folder: Path) -> None:
@@ -48,8 +48,10 @@ def outcomes_of(root: Path) -> Iterator[Outcome]:
     without a record comes from the summary. Raises ConfigError if the summary is damaged."""
     for recorded, path in _last_run(root):
         folder = root / path
-        default = planned(recorded.number, recorded.label, recorded.overrides, os.path.relpath(folder))
-        yield left(default if recorded.status is None else recorded, folder)
+        default = missing_outcome(
+            recorded.number, recorded.label, recorded.overrides, os.path.relpath(folder)
+        )
+        yield read_outcome(default if recorded.status is None else recorded, folder)
 
 
 def _last_run(root: Path) -> list[tuple[Outcome, str]]:
@@ -84,7 +86,7 @@ def _is_sound(job: Outcome) -> bool:
     )
 
 
-def left(default: Outcome, folder: Path) -> Outcome:
+def read_outcome(default: Outcome, folder: Path) -> Outcome:
     """Returns the outcome that the job of an output folder has left; `default` if it has left nothing. Raises
     OSError if the file system is out of reach."""
     try:
@@ -92,10 +94,12 @@ def left(default: Outcome, folder: Path) -> Outcome:
         if "status" in record:
             relative_folder = os.path.relpath(folder.parent / record["folder"])
             return Outcome(**{**record, "number": default.number, "folder": relative_folder})
-        started = planned(default.number, default.label, default.overrides, os.path.relpath(folder))
+        unfinished = missing_outcome(
+            default.number, default.label, default.overrides, os.path.relpath(folder)
+        )
         if _is_dead(record):
-            return replace(started, status=1, message=KILLED)
-        return replace(started, message=RUNNING)
+            return replace(unfinished, status=1, message=KILLED_MESSAGE)
+        return replace(unfinished, message=RUNNING)
     except OSError as error:
         if error.errno in UNREACHABLE_ERRORS:
             raise
@@ -118,7 +122,7 @@ def _is_dead(record: Mapping[str, Any]) -> bool:
 
 
 def _record_path(folder: Path) -> Path:
-    return lock.place(folder).with_name(f"{folder.name}{SUFFIX}")
+    return lock.lock_path(folder).with_name(f"{folder.name}{SUFFIX}")
 
 
 def _write(folder: Path, record: Mapping[str, Any]) -> None:

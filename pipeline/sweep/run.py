@@ -15,7 +15,7 @@ from linkwright.pipeline.config.files.trust import SweepSettings
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.plan import Judge, Plan, is_run_key
 from linkwright.pipeline.errors import as_problems, refusal
-from linkwright.pipeline.interrupt import behind, check
+from linkwright.pipeline.interrupt import check, is_cause_of
 from linkwright.pipeline.run.preflight import destination
 from linkwright.pipeline.sweep.outcome import Outcome, built, failed
 from linkwright.pipeline.sweep.outcome_files import begin, leave, withdraw
@@ -97,7 +97,7 @@ class Task:
         try:
             return built(*identity, self._build(job.plan, **options))
         except BaseException as error:
-            if behind(error):
+            if is_cause_of(error):
                 withdraw(job.plan.folder)
                 raise KeyboardInterrupt from error
             # SystemExit too: it would end the whole sweep.

@@ -46,27 +46,32 @@ def runs(root: Path) -> list[dict[str, Any]]:
         jobs = content.get("jobs")
         stored_runs = [{"started": None, "overrides": [], "jobs": jobs}] if jobs else []
     kept_runs = [run for run in stored_runs if isinstance(run, dict)]
-    version = content.get(manifest.SWEEP)
+    version = content.get(manifest.SWEEP_KEY)
     if isinstance(version, int) and version < VERSION:
-        return [{**run, "jobs": [_inside(job, root) for job in run.get("jobs", ())]} for run in kept_runs]
+        return [
+            {**run, "jobs": [_with_relative_folder(job, root) for job in run.get("jobs", ())]}
+            for run in kept_runs
+        ]
     return kept_runs
 
 
 def text(all_runs: Sequence[Run]) -> bytes:
     """Returns the content of the file, with a line for each job."""
-    return printable_lines("".join(_pieces(_newest(all_runs)))).encode() + b"\n"
+    return printable_lines("".join(_pieces(_newest_runs(all_runs)))).encode() + b"\n"
 
 
-def inside(folder: str, root: Path) -> str:
+def relative_folder(folder: str, root: Path) -> str:
     """Returns the path of a job's folder relative to the folder of the sweep."""
     return Path(os.path.relpath(folder, root)).as_posix()
 
 
-def _inside(job: dict[str, Any], root: Path) -> dict[str, Any]:
-    return {**job, "folder": inside(job["folder"], root)} if isinstance(job.get("folder"), str) else job
+def _with_relative_folder(job: dict[str, Any], root: Path) -> dict[str, Any]:
+    return (
+        {**job, "folder": relative_folder(job["folder"], root)} if isinstance(job.get("folder"), str) else job
+    )
 
 
-def _newest(all_runs: Sequence[Run]) -> list[Run]:
+def _newest_runs(all_runs: Sequence[Run]) -> list[Run]:
     """Returns the last run, and as many runs before it as fit into MAX_JOBS."""
     run_count, job_count = 0, 0
     for run in reversed(all_runs):
@@ -78,7 +83,7 @@ def _newest(all_runs: Sequence[Run]) -> list[Run]:
 
 
 def _pieces(all_runs: Sequence[Run]) -> Iterator[str]:
-    yield f'{{"{manifest.SWEEP}": {VERSION}, "runs": ['
+    yield f'{{"{manifest.SWEEP_KEY}": {VERSION}, "runs": ['
     for index, run in enumerate(all_runs):
         head = {key: value for key, value in run.items() if key != "jobs"}
         yield f'{"," if index else ""}\n{_line(head)[:-1]}, "jobs": ['

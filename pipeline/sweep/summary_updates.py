@@ -21,30 +21,30 @@ MAX_TIME_SHARE = 0.02
 def updating_summary(root: Path, pause: float = MIN_INTERVAL) -> Iterator[None]:
     """Writes the summary of a sweep again and again in a thread, from the outcomes that its jobs have left;
     and once more if an error or Ctrl-C ends the sweep."""
-    over = threading.Event()
-    thread = threading.Thread(target=_keep_fresh, args=(root, pause, over), daemon=True)
+    end = threading.Event()
+    thread = threading.Thread(target=_write_repeatedly, args=(root, pause, end), daemon=True)
     thread.start()
     try:
         yield
     except BaseException:
-        over.set()
+        end.set()
         thread.join()
-        _keep(root)
+        _write_summary(root)
         raise
     finally:
-        over.set()
+        end.set()
         thread.join()
 
 
-def _keep_fresh(root: Path, pause: float, over: threading.Event) -> None:
+def _write_repeatedly(root: Path, pause: float, end: threading.Event) -> None:
     wait = pause
-    while not over.wait(wait):
+    while not end.wait(wait):
         start = time.perf_counter()
-        _keep(root)
+        _write_summary(root)
         wait = max(pause, (time.perf_counter() - start) / MAX_TIME_SHARE)
 
 
-def _keep(root: Path) -> None:
+def _write_summary(root: Path) -> None:
     # A disk that is full now may have room in the end, when the error is reported.
     with contextlib.suppress(LinkwrightError, OSError):
         write_summaries(list(outcomes_of(root)), root)

@@ -14,13 +14,13 @@ _TITLES = ("job", "status", "", "what", "kg", "dof", "checks", "calls", "folder"
 _FIXED_COLUMNS = 4
 """Number of first columns that are shown even if they are empty."""
 
-_SHORTENED = (2, 3, 8)
+_SHORTENABLE_COLUMNS = (2, 3, 8)
 """The columns whose texts are shortened if the width is too small."""
 
 _MIN_WIDTH = 8
 """Smallest width of the long columns while there are other columns that can be dropped."""
 
-_DROPPED = (7, 5, 6, 4, 8)
+_DROP_ORDER = (7, 5, 6, 4, 8)
 """The columns that are dropped if shorter texts are not enough, in this order."""
 
 _GAP = 2
@@ -31,25 +31,26 @@ _WORST_FIRST = ("failed", "unmet", "running", "missing", "built")
 
 def table(outcomes: Sequence[Outcome], root: Path, width: int | None = None) -> str:
     """Returns the table, of at most `width` columns (None: without limit)."""
-    chosen = _chosen(outcomes)
+    chosen = _choose_jobs(outcomes)
     rows = [_TITLES, *(_row(outcome) for outcome in chosen)]
-    used = [
+    shown_columns = [
         column
         for column in range(len(_TITLES))
         if column < _FIXED_COLUMNS or any(row[column] for row in rows[1:])
     ]
-    widths = _fit_widths({column: max(columns(row[column]) for row in rows) for column in used}, width)
+    widths = _fit_widths(
+        {column: max(columns(row[column]) for row in rows) for column in shown_columns}, width
+    )
     lines = [
-        (" " * _GAP).join(_padded(row[column], size) for column, size in widths.items()).rstrip()
-        for row in rows
+        (" " * _GAP).join(_pad(row[column], size) for column, size in widths.items()).rstrip() for row in rows
     ]
     if len(chosen) < len(outcomes):
         lines.append(_remainder_line(outcomes, chosen, root))
-    good = sum(outcome.status == 0 for outcome in outcomes)
-    return "\n".join([*lines, f"{good} of {len(outcomes)} jobs built and valid: {root}"])
+    valid_count = sum(outcome.status == 0 for outcome in outcomes)
+    return "\n".join([*lines, f"{valid_count} of {len(outcomes)} jobs built and valid: {root}"])
 
 
-def _chosen(outcomes: Sequence[Outcome]) -> list[Outcome]:
+def _choose_jobs(outcomes: Sequence[Outcome]) -> list[Outcome]:
     """Returns the jobs that the table shows: all of them, or those in the worst states. Of a state that does
     not fit it shows a sample at even distances."""
     if len(outcomes) <= MAX_ROWS:
@@ -111,19 +112,21 @@ def _fit_widths(widths: dict[int, int], limit: int | None) -> dict[int, int]:
     def excess() -> int:
         return sum(widths.values()) + _GAP * (len(widths) - 1) - limit if limit else 0
 
-    for dropped in (None, *_DROPPED):
+    for dropped in (None, *_DROP_ORDER):
         if dropped in widths and excess() > 0:
             del widths[dropped]
-        minimum = _MIN_WIDTH if widths.keys() & set(_DROPPED) else 1
+        minimum = _MIN_WIDTH if widths.keys() & set(_DROP_ORDER) else 1
         while excess() > 0:
-            longest = max((column for column in _SHORTENED if column in widths), key=widths.__getitem__)
+            longest = max(
+                (column for column in _SHORTENABLE_COLUMNS if column in widths), key=widths.__getitem__
+            )
             if widths[longest] <= minimum:
                 break
             widths[longest] -= 1
     return widths
 
 
-def _padded(words: str, width: int) -> str:
+def _pad(words: str, width: int) -> str:
     while columns(words) > width:
         words = f"{words.rstrip('…')[:-1]}…"
     return words + " " * (width - columns(words))

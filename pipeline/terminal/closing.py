@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from linkwright.pipeline.options import Detail
-from linkwright.pipeline.report import Report, spent
+from linkwright.pipeline.report import Report, call_lines
 from linkwright.pipeline.terminal.check_text import check_lines, tally
 from linkwright.pipeline.terminal.finding_lines import Style, finding_lines
 from linkwright.pipeline.terminal.output import clean_stream, terminal_width
@@ -40,7 +40,7 @@ def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
         *_table_lines(report),
         *_objective_lines(report),
         *([tally(report.checks)] if report.checks else []),
-        *spent(report),
+        *call_lines(report),
         printable(f"{report.heading}: {report.folder or 'in memory'}{pages}"),
         *([printable(report.advice)] if report.advice else []),
     ]

@@ -5,7 +5,7 @@ import sys
 import traceback
 
 from linkwright.pipeline.errors import exit_status, render
-from linkwright.pipeline.interrupt import behind
+from linkwright.pipeline.interrupt import is_cause_of
 from linkwright.pipeline.options import UsageError
 from linkwright.pipeline.terminal.output import say
 
@@ -25,4 +25,4 @@ def print_error(error: BaseException, *, whole: bool) -> int:
 
 def cause(error: BaseException) -> BaseException:
     """Returns the error, or KeyboardInterrupt if Ctrl-C is behind it."""
-    return KeyboardInterrupt() if behind(error) else error
+    return KeyboardInterrupt() if is_cause_of(error) else error

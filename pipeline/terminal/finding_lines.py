@@ -20,7 +20,7 @@ _MAX_LENGTHS = {"W": 320, "I": 160}
 _LEVELS = "IWE"
 """The levels, the gravest last, where people look first."""
 
-_VARIES = re.compile(r"'[^']*'|\"[^\"]*\"|[\d.]+")
+_VARYING_PART = re.compile(r"'[^']*'|\"[^\"]*\"|[\d.]+")
 """The parts in which two messages of the same form differ: names in quotes, and numbers."""
 
 
@@ -67,13 +67,15 @@ def _group(group: Sequence[Diagnostic], style: Style) -> Iterator[str]:
                 yield from _hint(diagnostic.hint.partition("\n")[0], style)
         if remainder := _and_more(len(group) - len(shown), style):
             yield f"{style.indent}   {remainder}"
-    yield from _to_paste(group, style)
+    yield from _yaml_to_paste(group, style)
 
 
 def _share_a_message(shown: Sequence[Diagnostic]) -> bool:
     """Tells whether the places of findings tell them apart, so that a single message is enough."""
     places = {diagnostic.where for diagnostic in shown}
-    forms = {_VARIES.sub("", diagnostic.message.replace(diagnostic.where or " ", "")) for diagnostic in shown}
+    forms = {
+        _VARYING_PART.sub("", diagnostic.message.replace(diagnostic.where or " ", "")) for diagnostic in shown
+    }
     return len(places) == len(shown) and "" not in places and len(forms) == 1
 
 
@@ -95,7 +97,7 @@ def _and_more(number: int, style: Style) -> str:
     return f" and {number} more ({style.rest})" if number > 0 else ""
 
 
-def _to_paste(group: Sequence[Diagnostic], style: Style) -> Iterator[str]:
+def _yaml_to_paste(group: Sequence[Diagnostic], style: Style) -> Iterator[str]:
     """Yields the YAML that settles all findings of a code, which is below the hint of one of them."""
     for diagnostic in group:
         _, _, text = diagnostic.hint.partition("\n")

@@ -19,7 +19,7 @@ def print_document(command: Callable[[], Any], verb: str, *, whole: bool) -> int
     """Runs a command, prints its document or that of its error, and returns the exit status. Everything else
     that is printed goes to the standard error. `command` returns a CommandDocument."""
     document: CommandDocument
-    with _diverted():
+    with _stdout_to_stderr():
         try:
             document = command()
         except (Exception, KeyboardInterrupt) as error:
@@ -37,7 +37,7 @@ def _text(error: BaseException) -> str:
 
 
 @contextlib.contextmanager
-def _diverted() -> Iterator[None]:
+def _stdout_to_stderr() -> Iterator[None]:
     """Sends what is printed to the standard output to the standard error instead, also by libraries and child
     processes."""
     out, err = sys.stdout, sys.stderr
@@ -50,10 +50,10 @@ def _diverted() -> Iterator[None]:
             yield
             return
         out.flush()
-        kept = os.dup(_STDOUT)
+        saved_stdout = os.dup(_STDOUT)
         os.dup2(descriptors[1], _STDOUT)
         try:
             yield
         finally:
-            os.dup2(kept, _STDOUT)
-            os.close(kept)
+            os.dup2(saved_stdout, _STDOUT)
+            os.close(saved_stdout)

@@ -103,24 +103,24 @@ class Tee(Quiet):
     """Forwards everything to several displays."""
 
     def __init__(self, *to: Progress) -> None:
-        self._to = to
+        self._displays = to
 
     def start(self, stage: str) -> None:
-        for display in self._to:
+        for display in self._displays:
             display.start(stage)
 
     def detail(self, stage: str, line: str) -> None:
-        for display in self._to:
+        for display in self._displays:
             display.detail(stage, line)
 
     def transient(self, stage: str, line: str) -> None:
-        for display in self._to:
+        for display in self._displays:
             display.transient(stage, line)
 
     def done(self, stage: StageReport) -> None:
-        for display in self._to:
+        for display in self._displays:
             display.done(stage)
 
     def close(self) -> None:
-        for display in self._to:
+        for display in self._displays:
             display.close()

@@ -33,7 +33,9 @@ class Terminal(Quiet):
         self.close()
         self._stage, self._detail, self._transient, self._start = stage, "", "", time.monotonic()
         spinner = Spinner("dots")
-        self._live = Live(console=self._console, get_renderable=lambda: self._drawn(spinner), transient=True)
+        self._live = Live(
+            console=self._console, get_renderable=lambda: self._renderable(spinner), transient=True
+        )
         self._live.start()
 
     def detail(self, stage: str, line: str) -> None:
@@ -48,12 +50,12 @@ class Terminal(Quiet):
             self._transient = f" ({self._clean(printable(line))})"
             self._live.refresh()
 
-    def _drawn(self, spinner: Any) -> Any:
+    def _renderable(self, spinner: Any) -> Any:
         """Returns the line of the running stage: a single line, however long its texts are."""
         seconds = time.monotonic() - self._start
-        running = f" {seconds:.0f} s" if seconds >= _TIME_SHOWN_AFTER else ""
+        time_text = f" {seconds:.0f} s" if seconds >= _TIME_SHOWN_AFTER else ""
         detail = f": {self._detail}{self._transient}" if self._detail else self._transient
-        spinner.update(text=Text(f"{self._stage}{running}{detail}", no_wrap=True, overflow="ellipsis"))
+        spinner.update(text=Text(f"{self._stage}{time_text}{detail}", no_wrap=True, overflow="ellipsis"))
         return spinner
 
     def done(self, stage: StageReport) -> None:

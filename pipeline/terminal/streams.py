@@ -14,20 +14,20 @@ from typing import Any
 class _StreamFile(io.FileIO):
     """A stream's file that discards output after a write error.
 
-    `lost`: the reason of the error; "" if the reader closed the pipe.
+    `write_error`: the reason of the error; "" if the reader closed the pipe.
     """
 
-    lost = ""
+    write_error = ""
 
     def write(self, data: Any) -> int:
         try:
             return super().write(data) or 0
         except OSError as error:
             if not isinstance(error, BrokenPipeError):
-                self.lost = error.strerror or type(error).__name__
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, self.fileno())
-            os.close(nowhere)
+                self.write_error = error.strerror or type(error).__name__
+            null_device = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null_device, self.fileno())
+            os.close(null_device)
             return memoryview(data).nbytes
 
 
@@ -60,4 +60,4 @@ def flush() -> str:
     except OSError as error:
         return error.strerror or type(error).__name__
     file = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
-    return file.lost if isinstance(file, _StreamFile) else ""
+    return file.write_error if isinstance(file, _StreamFile) else ""

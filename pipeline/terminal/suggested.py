@@ -11,30 +11,30 @@ NO_KEY = "expected key=value"
 _SOURCES = {"urdf": "urdf", "xacro": "urdf", "xml": "mjcf", "mjcf": "mjcf", "zip": "bundle"}
 """Ending of a file → the kind of source that it is."""
 
-_BUILD = ("build", "run", "make", "export", "convert")
+_BUILD_WORDS = ("build", "run", "make", "export", "convert")
 """Words that other programs have for what `linkwright` does without a verb."""
 
 
 def has_url(argument: str) -> bool:
-    """Returns whether an argument contains a URL."""
+    """Tells whether an argument contains a URL."""
     return "://" in argument
 
 
-def joined(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+def join_arguments(arguments: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
     """Yields each argument, and the words that the user typed for it: an argument that the shell split at
     spaces, as in `robot = my_arm` or `source.path=my arm.urdf`, is joined again."""
     rest = list(arguments)
     while rest:
         argument = rest.pop(0)
         words = [argument]
-        while rest and _is_torn(argument, rest[0]):
+        while rest and _continues(argument, rest[0]):
             words.append(rest.pop(0))
             space = "" if "=" in (argument[-1:], words[-1][:1]) else " "
             argument = f"{argument}{space}{words[-1]}"
         yield argument, words
 
 
-def _is_torn(argument: str, word: str) -> bool:
+def _continues(argument: str, word: str) -> bool:
     if word[:1] == "=":
         return bool(re.fullmatch(r"[\w.*/]+", argument))
     if re.fullmatch(r"[\w.*/]+=", argument):
@@ -52,14 +52,14 @@ def _ending(word: str) -> str:
     return ending if ending in (*_SOURCES, "yaml") and "." in word else ""
 
 
-def torn(argument: str) -> str:
+def split_message(argument: str) -> str:
     """Returns the message about an argument that the shell split at spaces."""
     return "a value with a space needs quotes" if " " in argument else "no spaces belong around ="
 
 
 def command(arguments: Sequence[str], multirun: bool) -> str:
     """Returns the command line with the arguments that were split joined again."""
-    return _line((argument for argument, _ in joined(arguments)), multirun)
+    return _line((argument for argument, _ in join_arguments(arguments)), multirun)
 
 
 def paste(arguments: Iterable[str], multirun: bool) -> str:
@@ -73,8 +73,8 @@ def _line(arguments: Iterable[str], multirun: bool) -> str:
     words = ["linkwright", "-m"] if multirun else ["linkwright"]
     for argument in arguments:
         key, _, value = argument.partition("=")
-        quoted = has_url(argument) or " " in value
-        words.append(pasted.override(key, value) if quoted else pasted.word(argument))
+        needs_quotes = has_url(argument) or " " in value
+        words.append(pasted.override(key, value) if needs_quotes else pasted.word(argument))
     return " ".join(words)
 
 
@@ -82,8 +82,8 @@ def assignment(argument: str, arguments: Sequence[str], verbs: Collection[str]) 
     """Returns message and hint about an argument without a key. `verbs`: those of the command line."""
     if argument in verbs:
         return f"`{argument}` is not supported yet", "linkwright --help lists the verbs"
-    if argument in _BUILD and len(arguments) > 1:
-        words = [word for word, _ in joined(arguments) if word != argument]
+    if argument in _BUILD_WORDS and len(arguments) > 1:
+        words = [word for word, _ in join_arguments(arguments) if word != argument]
         return (
             "there is no such verb",
             f"leave it out, the command builds without a verb: {_line(words, False)}",
@@ -96,10 +96,13 @@ def assignment(argument: str, arguments: Sequence[str], verbs: Collection[str]) 
     ending = argument.lower().rpartition(".")[2]
     key = f"source={_SOURCES[ending]} source.path" if ending in _SOURCES else "robot"
     plain = re.fullmatch(r"[\w./-]+", argument)
-    return NO_KEY, f"linkwright {key}={argument}" if plain else f"linkwright {_assigned(key, argument)}"
+    return (
+        NO_KEY,
+        f"linkwright {key}={argument}" if plain else f"linkwright {_quoted_assignment(key, argument)}",
+    )
 
 
-def _assigned(key: str, value: str) -> str:
+def _quoted_assignment(key: str, value: str) -> str:
     """Returns `key` with the value assigned to its last word, in quotes."""
     *first_words, last = key.split(" ")
     return " ".join([*first_words, pasted.override(last, value)])

@@ -15,7 +15,7 @@ _COMMAND = re.compile(r"(?:^|(?<=[→:] ))linkwright(?: (?:'[^']*'|\"[^\"]*\"|[^
 _WORD = re.compile(r"(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+")
 """A word of a command, with the quotes of a shell."""
 
-_TYPED = re.compile(r"[^\w]")
+_NON_WORD = re.compile(r"[^\w]")
 """Characters of a command's words, which a sentence's words lack, except those after `linkwright`."""
 
 
@@ -47,7 +47,7 @@ def _command(line: str) -> str:
     """Returns the command at the end of a line; "" without a command."""
     match = _COMMAND.search(line)
     words = _WORD.findall(match[0])[2:] if match else []
-    return match[0] if match and all(map(_TYPED.search, words)) else ""
+    return match[0] if match and all(map(_NON_WORD.search, words)) else ""
 
 
 def _fill_lines(words: list[str], first: str, indent: str, joint: str, width: int) -> Iterator[str]:

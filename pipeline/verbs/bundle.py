@@ -65,7 +65,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     from linkwright.pipeline.output import packing
 
     request = parse(arguments)
-    folder, data, replies = packing.packed(request.name, request.out, request.cache, environ)
+    folder, data, replies = packing.pack_build(request.name, request.out, request.cache, environ)
     packing.write(request.out, data)
     command = f"linkwright source=bundle {pasted.override('source.path', str(request.out))}"
     if request.json:

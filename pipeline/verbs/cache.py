@@ -50,7 +50,7 @@ JSON document is printed.
 """
 
 _USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
-_DIR = "cache.dir="
+_DIR_KEY = "cache.dir="
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)([KMGT]?)B?", re.IGNORECASE)
 _POWERS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
 _DEFAULT_SIZE = 20 * 10**9
@@ -63,7 +63,7 @@ _SHOWN_CHARACTERS = 8
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int | CommandDocument:
     """Runs the verb and returns the exit status, or its document. Raises ConfigError for wrong usage, and
     CacheError if the cache folder cannot be used."""
-    dirs = [text for text in arguments if text.startswith(_DIR)]
+    dirs = [text for text in arguments if text.startswith(_DIR_KEY)]
     rest = [text for text in arguments if text not in dirs and text != JSON]
     max_size = _max_size(rest)
     verbs: dict[str, Callable[[Path], CacheDocument]] = {
@@ -74,7 +74,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     if len(rest) != 1 or rest[0] not in verbs or (max_size is not None and rest[0] != "gc"):
         msg = f"expected info, gc or verify, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "cache", _USAGE)
-    configured = dirs[-1].removeprefix(_DIR) if dirs else None
+    configured = dirs[-1].removeprefix(_DIR_KEY) if dirs else None
     document = verbs[rest[0]](folder(configured, environ))
     if JSON in arguments:
         return document

@@ -41,9 +41,9 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     keys = dict(_key(argument) for argument in arguments if argument not in _OPTIONS)
     cache = folder(keys.get("cache.dir"), environ)
     rows = [
-        *installation.examined(),
-        *access.examined(environ, cache, keys.get("source.url", ""), online="--online" in arguments),
-        *places.examined(environ, cache),
+        *installation.examine(),
+        *access.examine(environ, cache, keys.get("source.url", ""), online="--online" in arguments),
+        *places.examine(environ, cache),
     ]
     if "--json" in arguments:
         return examination.as_document(rows)

@@ -155,11 +155,11 @@ def _key(entry: KeyEntry) -> EntryDocument:
         words=entry.words,
         example=entry.example,
         is_later=entry.later,
-        keys=tuple(_inside(entry)),
+        keys=tuple(_inner_keys(entry)),
     )
 
 
-def _inside(entry: KeyEntry) -> list[str]:
+def _inner_keys(entry: KeyEntry) -> list[str]:
     """Returns the supported keys in a section."""
     keys = [
         inner.key

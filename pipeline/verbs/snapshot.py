@@ -34,7 +34,7 @@ options:
 """
 
 _USAGE = "linkwright snapshot; linkwright snapshot --help shows more"
-_A_FOLDER = f"it takes a folder; without arguments all robots of ./robot are taken: {_USAGE}"
+_FOLDER_HINT = f"it takes a folder; without arguments all robots of ./robot are taken: {_USAGE}"
 _CONFIG_DIR = ("--config-dir", "-cd")
 
 
@@ -49,7 +49,7 @@ def run(arguments: Sequence[str]) -> int:
     folder = working_folder / place
     if not folder.is_dir():
         msg = f"there is no folder {place}" if not folder.exists() else f"{place} is not a folder"
-        raise ConfigError(msg, "snapshot", _A_FOLDER)
+        raise ConfigError(msg, "snapshot", _FOLDER_HINT)
     # The folder robot/ means the folder around it.
     folder = folder.resolve().parent if folder.resolve().name == "robot" else folder
     return command.run(folder, [str(working_folder / name) for name in folders], check)

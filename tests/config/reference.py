@@ -16,7 +16,7 @@ from linkwright.pipeline.config.plan import SECTIONS, Plan
 from linkwright.pipeline.config.schema import is_section
 from linkwright.pipeline.motor_files import library
 from linkwright.pipeline.reference.environment import VARIABLES
-from linkwright.pipeline.reference.key_entries import KeyEntry, is_any
+from linkwright.pipeline.reference.key_entries import KeyEntry, is_placeholder
 from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.robot.section import NOT_YET, Section
 
@@ -197,7 +197,7 @@ def _shown(path, value, names):
     """An example as a line of a robot's file."""
     for end in range(len(path), 0, -1):
         part = path[end - 1]
-        value = {names[place_name(path[:end])] if is_any(part) else part: value}
+        value = {names[place_name(path[:end])] if is_placeholder(part) else part: value}
     return flow(value)[1:-1]
 
 

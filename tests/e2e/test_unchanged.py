@@ -96,7 +96,7 @@ def test_a_recognised_build_leaves_what_a_cached_build_leaves(here, builds, monk
     page = {"LINKWRIGHT_PAGE": "whole"} if "page.live=shared" in arguments else {}
     build(here, *arguments, **page)
     with monkeypatch.context() as without:
-        without.setattr(unchanged, "again", lambda *_: None)
+        without.setattr(unchanged, "reuse", lambda *_: None)
         cached = left_by(here, build(here, *arguments, **page))
     assert left_by(here, again := build(here, *arguments, **page)) == cached
     assert again.returncode == (3 if "validate=strict" in arguments else 0)
@@ -283,7 +283,7 @@ def recognised(here):
     command = parse(["robot=arm", "until=graph"])
     environ = environment(here, seeded=False, PWD=str(here))
     with chdir(here), patch.dict(os.environ, environ, clear=True):
-        return unchanged.again(unchanged.action_of(command), command, Quiet()) is not None
+        return unchanged.reuse(unchanged.action_of(command), command, Quiet()) is not None
 
 
 def test_a_damaged_or_hostile_record_never_makes_another_robot(here, builds):

@@ -80,7 +80,7 @@ class HydraNode:
         if (launcher, sweeper) not in self._trusted_configs:
             option_by_group = {LAUNCHERS: launcher, SWEEPERS: sweeper}
             options = [f"{group}={option}" for group, option in option_by_group.items() if option]
-            arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.given)]
+            arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.config_folders)]
             self._trusted_configs[launcher, sweeper], _ = composed(arguments)
         return self._trusted_configs[launcher, sweeper]
 
@@ -134,7 +134,7 @@ class HydraNode:
         if not files:
             return None
         config_dir = files[0].parents[2]  # CONFIG_DIR/hydra/launcher/NAME.yaml
-        if config_dir in self._presets.given:
+        if config_dir in self._presets.config_folders:
             return None
         text = f"your own launchers are used only from --config-dir, but this launcher is in {files[0]}"
         command = [*self._command[:1], "--config-dir", str(config_dir), *self._command[1:]]

@@ -51,12 +51,16 @@ def table(
 
     `classes`: title of a column → class of its cells; `heads`: title of the column that names the rows.
     """
-    filled = [index for index in range(len(header)) if any(text(row[index]) for row in rows)]
+    filled_columns = [index for index in range(len(header)) if any(text(row[index]) for row in rows)]
     columns = [
         Column(header[index], (classes or {}).get(header[index], ""), bool(heads) and header[index] == heads)
-        for index in filled
+        for index in filled_columns
     ]
-    return PageTable(columns, [[row[index] for index in filled] for row in rows]) if filled else None
+    return (
+        PageTable(columns, [[row[index] for index in filled_columns] for row in rows])
+        if filled_columns
+        else None
+    )
 
 
 def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> PageTable | None:

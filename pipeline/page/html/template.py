@@ -12,8 +12,9 @@ from markupsafe import Markup, escape
 from linkwright.stages.formats.templates import Templates
 from linkwright.stages.robot.text.printable import printable_lines
 
-_LONG = re.compile(r"\S{17,}")
-_JOINT = re.compile(r"([_/](?=[^_/])|\.(?=[A-Za-z]))")
+_LONG_WORD = re.compile(r"\S{17,}")
+"""A word that may need a line break, which `<wbr>` allows at each `_BREAK_PLACE`."""
+_BREAK_PLACE = re.compile(r"([_/](?=[^_/])|\.(?=[A-Za-z]))")
 
 
 def rendered(name: str, /, **values: Any) -> Markup:
@@ -45,17 +46,17 @@ def text(value: Any) -> str:
 
 def name(value: Any) -> Markup:
     """Returns a name or a path as text; a long name may be broken between its words."""
-    shown = str(escape(text(value)))
-    if len(shown) < 17:
-        return Markup(shown)
-    return Markup(_LONG.sub(lambda word: _JOINT.sub(r"\1<wbr>", word[0]), shown))
+    escaped = str(escape(text(value)))
+    if len(escaped) < 17:
+        return Markup(escaped)
+    return Markup(_LONG_WORD.sub(lambda word: _BREAK_PLACE.sub(r"\1<wbr>", word[0]), escaped))
 
 
-def shortened(words: str, most: int) -> str:
-    """Shortens plain text to at most `most` letters, between words."""
-    if len(words) <= most:
+def shortened(words: str, max_letters: int) -> str:
+    """Shortens plain text to at most `max_letters` letters, between words."""
+    if len(words) <= max_letters:
         return words
-    return words[: most - 1].rpartition(" ")[0].rstrip(",;:") + " …"
+    return words[: max_letters - 1].rpartition(" ")[0].rstrip(",;:") + " …"
 
 
 def inline(markdown: str) -> Markup:

@@ -30,10 +30,10 @@ class Axis:
 
     def share(self, value: float) -> float:
         """Returns the position of a value: 0 at the low end, 1 at the high end."""
-        low, high, at = (
+        low, high, position = (
             math.log10(number) if self.log else number for number in (self.low, self.high, value)
         )
-        return (at - low) / (high - low)
+        return (position - low) / (high - low)
 
 
 def numbers(title: str, values: Sequence[float], *, may_be_log: bool = False) -> Axis:
@@ -46,8 +46,8 @@ def numbers(title: str, values: Sequence[float], *, may_be_log: bool = False) ->
         pad = abs(low) / 2 or 1.0
     else:
         pad = PADDING * (high - low)
-    least = 1.0 if all(float(value).is_integer() for value in values) else 0.0
-    return Axis(title, low - pad, high + pad, _round_values(low - pad, high + pad, least))
+    min_step = 1.0 if all(float(value).is_integer() for value in values) else 0.0
+    return Axis(title, low - pad, high + pad, _round_values(low - pad, high + pad, min_step))
 
 
 def categories(title: str, names: Sequence[str]) -> Axis:
@@ -56,12 +56,14 @@ def categories(title: str, names: Sequence[str]) -> Axis:
     return Axis(title, -0.5, len(names) - 0.5, ticks, discrete=True)
 
 
-def _round_values(low: float, high: float, least: float) -> tuple[tuple[float, str], ...]:
-    """Returns multiples of 1, 2 or 5 times a power of ten, at least `least` apart (1 for whole numbers)."""
-    least = max(least, (high - low) / MAX_INTERVALS)
-    power = math.floor(math.log10(least))
+def _round_values(low: float, high: float, min_step: float) -> tuple[tuple[float, str], ...]:
+    """Returns multiples of 1, 2 or 5 times a power of ten, at least `min_step` apart (1 for whole
+    numbers)."""
+    min_step = max(min_step, (high - low) / MAX_INTERVALS)
+    power = math.floor(math.log10(min_step))
     step = (
-        next(factor for factor in (1, 2, 5, 10) if factor * 10.0**power >= least * (1 - 1e-9)) * 10.0**power
+        next(factor for factor in (1, 2, 5, 10) if factor * 10.0**power >= min_step * (1 - 1e-9))
+        * 10.0**power
     )
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
@@ -71,6 +73,7 @@ def _round_values(low: float, high: float, least: float) -> tuple[tuple[float, s
 def _text(value: float, decimals: int) -> str:
     if decimals > 6 or abs(value) >= 1e7:
         return f"{value:.4g}"
+    # Adding 0.0 turns -0.0 into 0.0.
     return f"{value + 0.0:,.{decimals}f}"
 
 

@@ -22,7 +22,7 @@ PREVIEW_FILE, REPORT_FILE = "preview.png", "report.html"
 _DIGITS = 9
 
 
-def existing(job: Job, exists: Callable[[str], bool]) -> int:
+def existence_bits(job: Job, exists: Callable[[str], bool]) -> int:
     """Returns the bits of a job: which of its picture, page and folder exist."""
     folder = job["folder"]
     if job["state"] == "missing" or not exists(folder):
@@ -37,17 +37,17 @@ def block(
     """Returns the JSON, which is safe within a script element. `existing_bits`: the bits of each job."""
     texts: dict[str, int] = {}
 
-    def place(text: str) -> int:
+    def text_index(text: str) -> int:
         return texts.setdefault(text, len(texts))
 
     data: dict[str, Any] = {
         "numbers": [job["number"] for job in jobs],
         "states": [STATES.index(job["state"]) for job in jobs],
-        "messages": [place(job["message"]) for job in jobs],
+        "messages": [text_index(job["message"]) for job in jobs],
         "problems": {at: job["problems"] for at, job in enumerate(jobs) if job["problems"]},
-        "checks": [place(passed(job["checks"])) for job in jobs],
+        "checks": [text_index(passed(job["checks"])) for job in jobs],
         "unmet": {
-            at: [place(f"{mark} {name}") for mark, name in unmet(job["checks"])]
+            at: [text_index(f"{mark} {name}") for mark, name in unmet(job["checks"])]
             for at, job in enumerate(jobs)
             if unmet(job["checks"])
         },
@@ -82,14 +82,14 @@ def _columns(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]
     for key in swept:
         axis, at = places(key, jobs)
         names = {"names": [name for _, name in axis.ticks]} if axis.discrete else {}
-        values = [_short(value) for value in at]
+        values = [_rounded_number(value) for value in at]
         columns.append({"title": axis.title, "group": "key", "values": values, **names})
-    objectives = [_short(job["objective"]) for job in jobs]
+    objectives = [_rounded_number(job["objective"]) for job in jobs]
     if any(value is not None for value in objectives):
         columns.append({"title": "objective", "group": "objective", "values": objectives})
     figures = [figures_of(job) for job in jobs]
     for name in differing:
-        values = [_short(row.get(name)) for row in figures]
+        values = [_rounded_number(row.get(name)) for row in figures]
         group = "checks" if name.startswith("checks_") else "figure"
         columns.append({"title": name_of(name), "group": group, "values": values})
     calls = [job["calls"].get("made") for job in jobs]
@@ -98,7 +98,7 @@ def _columns(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]
     return columns
 
 
-def _short(value: float | None) -> float | None:
+def _rounded_number(value: float | None) -> float | None:
     """Rounds a number to nine digits; returns None for None and for a number that is not finite."""
     if value is None or not math.isfinite(value):
         return None

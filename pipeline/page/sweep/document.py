@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from linkwright.pipeline.page.figures import counted, name_of, said, shown
+from linkwright.pipeline.page.figures import figure_text, name_of, sentence_name, value_text
 from linkwright.pipeline.page.html.shell import ReportSection, Top, document
 from linkwright.pipeline.page.html.tables import table
 from linkwright.pipeline.page.html.template import marked, name, rendered, shortened
@@ -22,7 +22,7 @@ from linkwright.pipeline.page.sweep.data import (
     REPORT,
     REPORT_FILE,
     block,
-    existing,
+    existence_bits,
     passed,
     unmet,
 )
@@ -83,13 +83,13 @@ def page(title: str, jobs: Sequence[Job], exists: Exists, beside: Sequence[str])
     """
     swept = keys(jobs)
     differing, common_figures = varying(jobs)
-    existing_bits = [existing(job, exists) for job in jobs]
+    existing_bits = [existence_bits(job, exists) for job in jobs]
     plots = _plots(jobs, swept, differing) if len(jobs) <= MAX_DRAWN else ""
     parts = [
-        ReportSection("compare", "Compare", rendered("compare", alike=_alike(jobs, differing))),
+        ReportSection("compare", "Compare", rendered("compare", alike=_equality_text(jobs, differing))),
         ReportSection("jobs", "Jobs", _jobs(jobs, swept, differing, existing_bits)),
         ReportSection("plots", "Plots", plots),
-        ReportSection("same", "In common", _same(common_figures)),
+        ReportSection("same", "In common", _common_figures_line(common_figures)),
     ]
     top = Top(_head(title, jobs, swept), facts=rendered("facts", figures=(), paths=beside))
     html = document(f"{title}: {count(len(jobs), 'job')}", top, parts)
@@ -129,7 +129,7 @@ def _jobs(
     header = ["job", "picture", "status", *swept, *columns.values(), "objective", "checks", "calls", "open"]
     rows = []
     for job, bits in zip(jobs[:MAX_ROWS], existing_bits, strict=False):
-        figures = {f"figure {key}": shown(value) for key, value in figures_of(job).items()}
+        figures = {f"figure {key}": value_text(value) for key, value in figures_of(job).items()}
         rows.append(
             [
                 str(job["number"]),
@@ -137,7 +137,7 @@ def _jobs(
                 _status(job),
                 *(name(value_of(job, key)) for key in swept),
                 *(figures.get(key, "") for key in columns),
-                shown(job["objective"]) if job["objective"] is not None else "",
+                value_text(job["objective"]) if job["objective"] is not None else "",
                 _checks(job["checks"]),
                 job["calls"].get("made"),
                 _links(job, bits),
@@ -170,13 +170,15 @@ def _picture(job: Job) -> str:
 
 def _links(job: Job, bits: int) -> Markup:
     targets = [("report", f"{job['folder']}/{REPORT_FILE}", REPORT), ("folder", f"{job['folder']}/", FOLDER)]
-    form = Markup('<a href="{}" aria-label="{} of job {}">{}</a>')
+    template = Markup('<a href="{}" aria-label="{} of job {}">{}</a>')
     return Markup(" ").join(
-        form.format(quote(target), word, job["number"], word) for word, target, bit in targets if bits & bit
+        template.format(quote(target), word, job["number"], word)
+        for word, target, bit in targets
+        if bits & bit
     )
 
 
-def _alike(jobs: Sequence[Job], differing: Sequence[str]) -> str:
+def _equality_text(jobs: Sequence[Job], differing: Sequence[str]) -> str:
     """Returns a sentence if there is nothing to compare; "" if figures differ."""
     built = [job for job in jobs if figures_of(job)]
     if len(built) < 2 or differing:
@@ -184,9 +186,9 @@ def _alike(jobs: Sequence[Job], differing: Sequence[str]) -> str:
     return f"All figures are the same in all jobs{' that were built' if len(built) < len(jobs) else ''}."
 
 
-def _same(common_figures: Mapping[str, float]) -> str:
+def _common_figures_line(common_figures: Mapping[str, float]) -> str:
     """Renders a line with the figures that all jobs have in common; "" without any."""
-    words = ", ".join(counted(key, value) for key, value in common_figures.items())
+    words = ", ".join(figure_text(key, value) for key, value in common_figures.items())
     return rendered("same", words=words) if words else ""
 
 
@@ -198,14 +200,14 @@ def _plots(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]) 
     pairs = [(figure, key) for figure in differing for key in swept]
     if len(built) < 2 or not pairs:
         return ""
-    chosen_pairs = [pair for pair in pairs if depends(built, *pair, swept)]
+    drawn_pairs = [pair for pair in pairs if depends(built, *pair, swept)]
     words = [f"without {count(len(jobs) - len(built), 'job')} that failed"] if len(built) < len(jobs) else []
     for key in swept:
-        unaffected = [said(figure) for figure in differing if (figure, key) not in chosen_pairs]
+        unaffected = [sentence_name(figure) for figure in differing if (figure, key) not in drawn_pairs]
         words += [f"{', '.join(unaffected)} not changed by {key}"] if unaffected else []
-    if len(chosen_pairs) > MAX_PLOTS:
-        words.append(f"{count(len(chosen_pairs) - MAX_PLOTS, 'more plot')}: summary.json has the figures")
-    plots = [_plot(built, figure, key, swept) for figure, key in chosen_pairs[:MAX_PLOTS]]
+    if len(drawn_pairs) > MAX_PLOTS:
+        words.append(f"{count(len(drawn_pairs) - MAX_PLOTS, 'more plot')}: summary.json has the figures")
+    plots = [_plot(built, figure, key, swept) for figure, key in drawn_pairs[:MAX_PLOTS]]
     return rendered("plots", plots=plots, lines=words)
 
 
@@ -214,7 +216,7 @@ def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> d
     series, if the figure depends on these keys."""
     other_keys = [other for other in swept if other != key and depends(jobs, figure, other, swept)]
     rows = [(job, figures_of(job)[figure]) for job in jobs if figure in figures_of(job)]
-    axis, at = places(key, [job for job, _ in rows])
+    axis, positions = places(key, [job for job, _ in rows])
     kinds = [values_of(job, other_keys) for job, _ in rows]
     series = list(dict.fromkeys(kinds))
     are_distinct = len(series) <= MAX_SERIES
@@ -222,11 +224,11 @@ def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> d
         Dot(
             x,
             float(y),
-            f"{job['label']}: {shown(y)}",
+            f"{job['label']}: {value_text(y)}",
             series.index(kind) if are_distinct else 0,
             job["number"],
         )
-        for x, (job, y), kind in zip(at, rows, kinds, strict=True)
+        for x, (job, y), kind in zip(positions, rows, kinds, strict=True)
     ]
     words = f"{name_of(figure)} by {key}: " + "; ".join(dot.words for dot in dots[:_MAX_DOTS_IN_TEXT])
     words += f" and {len(dots) - _MAX_DOTS_IN_TEXT} more" if len(dots) > _MAX_DOTS_IN_TEXT else ""

@@ -10,10 +10,12 @@ from linkwright.pipeline.page.sweep.axis import Axis
 WIDTH, HEIGHT = 360, 230
 """Size of the drawing in its own units, which are pixels where there is room."""
 
-_LETTER = 6.1
+_LETTER_WIDTH = 6.1
 """Width of a letter at an axis, in units of the drawing."""
 
 _TOP, _RIGHT, _BOTTOM = 12.0, 14.0, 40.0
+"""Margins around the plot, in units of the drawing."""
+
 _MARKS = ("circle", "square", "triangle", "diamond", "cross")
 
 _CORNERS = {
@@ -41,7 +43,7 @@ class Dot:
 def plot(words: str, x: Axis, y: Axis, dots: Sequence[Dot], *, joined: bool) -> str:
     """Draws a plot. `words`: its text for readers who do not see it; `joined`: whether a line joins the dots
     of a series."""
-    left = 8.0 + _LETTER * max((len(name) for _, name in y.ticks), default=0)
+    left = 8.0 + _LETTER_WIDTH * max((len(name) for _, name in y.ticks), default=0)
     scale = _Scale(x, y, left)
     series = [
         sorted((dot for dot in dots if dot.series == number), key=lambda dot: (dot.x, dot.y))
@@ -58,11 +60,11 @@ def plot(words: str, x: Axis, y: Axis, dots: Sequence[Dot], *, joined: bool) -> 
         base=HEIGHT - _BOTTOM,
         levels=[(scale.down(value), name) for value, name in y.ticks],
         columns=[
-            (scale.across(value), _fitting(name, max(3, int(column_width / _LETTER))))
+            (scale.across(value), _fit_words(name, max(3, int(column_width / _LETTER_WIDTH))))
             for value, name in x.ticks
         ],
         middle=(left + WIDTH - _RIGHT) / 2,
-        title=_fitting(x.title, int((WIDTH - left) / _LETTER)),
+        title=_fit_words(x.title, int((WIDTH - left) / _LETTER_WIDTH)),
         lines=[_line(scale, series_dots) for series_dots in series if len(series_dots) > 1] if joined else [],
         marks=[
             _form(dot.series, scale.across(dot.x), scale.down(dot.y)) | {"words": dot.words, "job": dot.job}
@@ -92,11 +94,11 @@ class _Scale:
         return HEIGHT - _BOTTOM - self.y.share(value) * (HEIGHT - _BOTTOM - _TOP)
 
 
-def _fitting(words: str, letters: int) -> str:
+def _fit_words(words: str, letters: int) -> str:
     if len(words) <= letters:
         return words
-    cut = shortened(words, letters)
-    return cut if len(cut) > letters // 2 else words[: letters - 1] + "…"
+    short_words = shortened(words, letters)
+    return short_words if len(short_words) > letters // 2 else words[: letters - 1] + "…"
 
 
 def _line(scale: _Scale, dots: Sequence[Dot]) -> tuple[int, str]:

@@ -12,6 +12,7 @@ Job = Mapping[str, Any]
 """The outcome of a job as plain data (see `pipeline.sweep.outcome.Outcome`)."""
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z°%]*)\s*")
+"""The pattern of a number, perhaps with a unit."""
 
 _RELATIVE_TOLERANCE = 1e-12
 """Figures whose difference is a smaller share of the largest count as equal."""
@@ -74,14 +75,14 @@ def varying(jobs: Iterable[Job]) -> tuple[list[str], dict[str, float]]:
     """Returns the names of figures that differ between the jobs, and the figures that all jobs have in
     common, with their values."""
     rows = [row for job in jobs if (row := figures_of(job))]
-    differing, same = [], {}
+    differing, common = [], {}
     for name in dict.fromkeys(name for row in rows for name in row):
         values = [row[name] for row in rows if name in row]
         if _differ(values) or len(values) < len(rows):
             differing.append(name)
         else:
-            same[name] = values[0]
-    return differing, same
+            common[name] = values[0]
+    return differing, common
 
 
 def depends(jobs: Iterable[Job], figure: str, key: str, swept: Sequence[str]) -> bool:

@@ -11,7 +11,7 @@ def share(launcher: Mapping[str, Any], jobs: int, processors: int) -> int | None
     """
     name = str(launcher.get("_target_")).rpartition(".")[2]
     if name == "JoblibLauncher":
-        return max(1, processors // min(_at_once(launcher.get("n_jobs"), processors), jobs))
+        return max(1, processors // min(_parallel_jobs(launcher.get("n_jobs"), processors), jobs))
     if name == "LocalLauncher":
         return max(1, processors // jobs)
     if name == "SlurmLauncher":
@@ -21,7 +21,7 @@ def share(launcher: Mapping[str, Any], jobs: int, processors: int) -> int | None
     return None
 
 
-def _at_once(number: int | None, processors: int) -> int:
+def _parallel_jobs(number: int | None, processors: int) -> int:
     """Returns the number of jobs that joblib runs at once; a negative number leaves some processors free."""
     jobs = 1 if number is None else int(number)
     return max(1, jobs if jobs >= 0 else processors + 1 + jobs)

@@ -19,7 +19,7 @@ from linkwright.pipeline.sweep.launch import context
 Evaluate = Callable[[Sequence[Sequence[str]]], Sequence[Sequence[float]]]
 """Maps the overrides of trials to the objective of each, a number for each direction."""
 
-REJECTED = (HydraException, OmegaConfBaseException, ImportError, ValueError, TypeError, AssertionError)
+REJECTIONS = (HydraException, OmegaConfBaseException, ImportError, ValueError, TypeError, AssertionError)
 """Exceptions of sweepers for settings and spaces that they reject."""
 
 
@@ -39,21 +39,21 @@ def search(config: DictConfig, folder: Path, space: list[str], evaluate: Evaluat
         # Escaped, so that a folder's name is never an interpolation.
         config.hydra.sweep.dir = str(folder).replace("${", r"\${")
     try:
-        with _launching(_Trials(evaluate)):
+        with _replace_launcher(_Trials(evaluate)):
             sweeper = Plugins.instance().instantiate_sweeper(
                 hydra_context=context(), task_function=lambda _: None, config=config
             )
         # The table of the jobs tells the same.
         logging.getLogger("optuna").setLevel(logging.ERROR)
         sweeper.sweep(space)
-    except REJECTED as error:
+    except REJECTIONS as error:
         lines = str(error).splitlines() or [type(error).__name__]
         msg = f"cannot search: {lines[0]}"
         raise ConfigError(msg, "hydra/sweeper", "check the settings of hydra.sweeper") from error
 
 
 @contextmanager
-def _launching(launcher: Launcher) -> Iterator[None]:
+def _replace_launcher(launcher: Launcher) -> Iterator[None]:
     """Makes Hydra give `launcher` to a sweeper that asks for its launcher."""
     plugins = Plugins.instance()
     vars(plugins)["instantiate_launcher"] = lambda **_: launcher
@@ -74,10 +74,10 @@ class _Trials(Launcher):
         """Does nothing: the launcher is complete."""
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> list[JobReturn]:
-        return [_returned(list(numbers)) for numbers in self._evaluate(job_overrides)]
+        return [_job_return(list(numbers)) for numbers in self._evaluate(job_overrides)]
 
 
-def _returned(numbers: list[float]) -> JobReturn:
+def _job_return(numbers: list[float]) -> JobReturn:
     result = JobReturn()
     result.return_value = numbers[0] if len(numbers) == 1 else numbers
     result.status = JobStatus.COMPLETED

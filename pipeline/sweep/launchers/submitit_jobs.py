@@ -31,7 +31,7 @@ Lost = Callable[[int, str], Any]
 
 
 @contextmanager
-def judged(lost: Lost) -> Iterator[None]:
+def judge_jobs(lost: Lost) -> Iterator[None]:
     """Makes each job of submitit's executors return its result, or else the result of `lost`."""
     executor: Any = submitit.AutoExecutor
     submit = executor.map_array
@@ -79,13 +79,13 @@ class _JobOfSubmitit:
 
     def _wait(self) -> None:
         """Waits until there is a result, or none can come any more."""
-        missed: float | None = None
+        missing_since: float | None = None
         while not self._has_result():
             if self._listing.runs(self._job):
-                missed = None
-            elif missed is None:
-                missed = time.monotonic()
-            elif time.monotonic() - missed > self._listing.patience:
+                missing_since = None
+            elif missing_since is None:
+                missing_since = time.monotonic()
+            elif time.monotonic() - missing_since > self._listing.patience:
                 return
             time.sleep(RESULT_INTERVAL)
 
@@ -95,22 +95,22 @@ class _Listing:
 
     def __init__(self, jobs: Sequence[Any]) -> None:
         self._jobs = jobs
-        self._local = isinstance(jobs[0], submitit.LocalJob)
+        self._is_local = isinstance(jobs[0], submitit.LocalJob)
         self._names: set[str] | None = None
-        self._asked = float("-inf")
-        self.patience = 0.0 if self._local else FILE_PATIENCE
+        self._last_request = float("-inf")
+        self.patience = 0.0 if self._is_local else FILE_PATIENCE
 
     def runs(self, job: Any) -> bool:
-        if self._local:
+        if self._is_local:
             return not job.done()
-        if time.monotonic() - self._asked > SLURM_INTERVAL:
+        if time.monotonic() - self._last_request > SLURM_INTERVAL:
             self._names = _active_jobs(self._ids())
-            self._asked = time.monotonic()
+            self._last_request = time.monotonic()
         return self._names is None or job.job_id in self._names
 
     def end(self) -> None:
         """Ends all jobs; those that ended already are unknown to Slurm."""
-        if not self._local:
+        if not self._is_local:
             with suppress(OSError):
                 subprocess.run(["scancel", *self._ids()], capture_output=True, check=False)
             return

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from linkwright.pipeline.run.early_imports import Ahead
+from linkwright.pipeline.run.early_imports import EarlyImports
 from linkwright.pipeline.stages.stage import STAGES
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
@@ -30,7 +30,7 @@ def modules(tmp_path, monkeypatch):
 
 def test_broken_module_stops_no_other_import(modules):
     modules(ahead_one="raise ValueError", ahead_two="runs = 0")
-    ahead = Ahead({"stage": ["ahead_one", "ahead_missing", "ahead_two"]})
+    ahead = EarlyImports({"stage": ["ahead_one", "ahead_missing", "ahead_two"]})
     assert "ahead_two" not in sys.modules
     ahead.wait("stage")
     for _ in range(2):
@@ -40,7 +40,7 @@ def test_broken_module_stops_no_other_import(modules):
 
 
 def test_a_stage_waits_for_its_own_modules_alone(modules, monkeypatch):
-    gate, ahead = Event(), Ahead({"soon": ["ahead_soon"], "later": ["ahead_gated"]})
+    gate, ahead = Event(), EarlyImports({"soon": ["ahead_soon"], "later": ["ahead_gated"]})
     monkeypatch.setitem(sys.modules, "ahead_gate", SimpleNamespace(over=lambda: gate.wait(60)))
     modules(ahead_soon="", ahead_gated="import ahead_gate\nended = ahead_gate.over()\n")
     with ahead:
@@ -54,7 +54,7 @@ def test_a_stage_waits_for_its_own_modules_alone(modules, monkeypatch):
 
 
 def test_end_of_a_build_waits_for_the_running_import(modules, monkeypatch):
-    reached, ahead = Event(), Ahead({"stage": ["ahead_slow", "ahead_late"]})
+    reached, ahead = Event(), EarlyImports({"stage": ["ahead_slow", "ahead_late"]})
     gate = SimpleNamespace(reached=reached.set, over=lambda: ahead.ending.wait(60))
     monkeypatch.setitem(sys.modules, "ahead_gate", gate)
     modules(ahead_slow="import ahead_gate\nahead_gate.reached()\nended = ahead_gate.over()\n", ahead_late="")

@@ -79,9 +79,9 @@ def test_after_its_end_a_command_has_its_own_status():
 def test_a_ring_of_errors_has_an_end():
     first, second = ValueError("a"), ValueError("b")
     first.__context__, second.__context__ = second, first
-    assert not interrupt.behind(first)
+    assert not interrupt.is_cause_of(first)
     second.__cause__ = KeyboardInterrupt()
-    assert interrupt.behind(first)
+    assert interrupt.is_cause_of(first)
 
 
 TOLD = """from linkwright.pipeline.terminal import error_border
@@ -122,7 +122,7 @@ sys.exit(interrupt.command(run))
 def watched(monkeypatch):
     """Signals are noted as in a command, of which nothing is left after the test."""
     monkeypatch.setattr(interrupt, "_CAME", threading.Event())
-    before = signal.signal(signal.SIGINT, interrupt._note)
+    before = signal.signal(signal.SIGINT, interrupt._handle_signal)
     yield
     signal.signal(signal.SIGINT, before)
 

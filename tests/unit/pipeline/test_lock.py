@@ -63,7 +63,7 @@ def test_wait_for_another_build_of_the_folder_is_reported(tmp_path):
     output.prepare()
     for path, act in (
         (lock.beside(output.target), lambda tell: Output(output.target, tell).prepare()),
-        (lock.place(output.target), lambda tell: Output(output.target, tell).judge()),
+        (lock.lock_path(output.target), lambda tell: Output(output.target, tell).judge()),
     ):
         shown = []
         while_held(path, shown, act)

@@ -46,7 +46,7 @@ def test_a_missing_package_is_wrong_and_a_missing_extra_a_note(monkeypatch, tmp_
     monkeypatch.setattr(installation, "_PROBE", "broken")
     real, other = installation.installed, {"trimesh": "absent", "usd-core": "absent", "numpy": "1.0"}
     monkeypatch.setattr(installation, "installed", lambda name: other.get(name) or real(name))
-    row_of = {row.subject: row for row in installation.examined()}
+    row_of = {row.subject: row for row in installation.examine()}
     assert row_of["packages"].state == "wrong"
     assert "trimesh is not installed" in row_of["packages"].detail
     assert "numpy is 1.0, accepted is >=2.0,<3" in row_of["packages"].detail
@@ -96,7 +96,7 @@ def test_onshape_is_asked_by_a_single_call(fault, state, part, capsys, tmp_path)
 
 def test_a_folder_that_cannot_be_written_to_is_wrong(tmp_path):
     (tmp_path / "file").write_text("")
-    cache, *_ = places.examined({}, tmp_path / "file" / "cache")
+    cache, *_ = places.examine({}, tmp_path / "file" / "cache")
     assert cache.state == "wrong"
     assert "cannot be written to" in cache.detail
 
@@ -112,4 +112,4 @@ def test_another_argument_or_host_is_an_error(argument):
     with pytest.raises(doctor.ConfigError, match="there is no"):
         doctor.run([argument], {})
     with pytest.raises(doctor.ConfigError, match="no key is sent elsewhere"):
-        list(access.examined({}, places.Path(), "https://example.org/documents/" + "a" * 24, online=True))
+        list(access.examine({}, places.Path(), "https://example.org/documents/" + "a" * 24, online=True))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.pipeline.errors import ConfigError, OutputError
-from linkwright.pipeline.output.manifest import REPORT
+from linkwright.pipeline.output.manifest import REPORT_KEY
 from linkwright.pipeline.verbs import view
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
@@ -24,7 +24,7 @@ def built(tmp_path, monkeypatch):
     """The working folder, with the sample in `outputs/arm`, as a build leaves it."""
     folder = tmp_path / "outputs" / "arm"
     write(robot_of(sample_document()), folder, plan_of())
-    (folder / "report.json").write_text(json.dumps({REPORT: 1}))
+    (folder / "report.json").write_text(json.dumps({REPORT_KEY: 1}))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -9,7 +9,7 @@ import pytest
 
 from linkwright.pipeline.config.files.trust import forbidden_targets, is_in_modules
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.plugins.loader import sources, target
+from linkwright.pipeline.plugins.loader import sources_digest, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.user_checks import UserCheck
@@ -119,12 +119,12 @@ def test_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     Path("my_light_checks.py").write_text("def light(compiled): return []\n")
-    first = sources(["my_light_checks"])
-    assert first == sources(["my_light_checks"])
+    first = sources_digest(["my_light_checks"])
+    assert first == sources_digest(["my_light_checks"])
     Path("my_light_checks.py").write_text("def light(compiled): return [1]\n")
-    assert sources(["my_light_checks"]) != first
-    assert sources(["no_such_module_here"]) is None
-    assert sources(["time"]) is None
+    assert sources_digest(["my_light_checks"]) != first
+    assert sources_digest(["no_such_module_here"]) is None
+    assert sources_digest(["time"]) is None
 
 
 def test_modules_of_the_working_folder_are_found_if_trusted(tmp_path, monkeypatch):

@@ -190,9 +190,9 @@ def test_two_hosts_that_mark_a_sweep_at_once_both_do(tmp_path, monkeypatch):
         return real(self, target)
 
     monkeypatch.setattr(Path, "replace", late)
-    manifest.write_shared(tmp_path, dict.fromkeys(sweep_folder.OWN))
+    manifest.write_shared(tmp_path, dict.fromkeys(sweep_folder.SWEEP_FILES))
     assert other
-    assert manifest.ours(tmp_path) == dict.fromkeys(sweep_folder.OWN)
+    assert manifest.written_files(tmp_path) == dict.fromkeys(sweep_folder.SWEEP_FILES)
     left = tmp_path / f"{manifest.NAME}.0123abcd.tmp"
     left.write_text("{")  # by a kill
     assert not list(manifest.foreign_or_changed(tmp_path, {}))

@@ -8,7 +8,7 @@ from linkwright.pipeline.changes.build_changes import MAX_ROBOT_CHANGES, compare
 from linkwright.pipeline.changes.compare import compare
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.output import manifest
-from linkwright.pipeline.page.changed import changed
+from linkwright.pipeline.page.changed import changes_section
 from linkwright.pipeline.page.head import difference
 from linkwright.pipeline.run.build import build, build_files
 from linkwright.pipeline.secrets import Secrets
@@ -49,7 +49,7 @@ def changed_robot(files, change):
 
 
 def text(changes):
-    return Reader(changed(changes, Secrets({})).encode()).text
+    return Reader(changes_section(changes, Secrets({})).encode()).text
 
 
 def test_the_first_build_and_one_that_changes_nothing_say_so(tmp_path, last, files):
@@ -59,7 +59,7 @@ def test_the_first_build_and_one_that_changes_nothing_say_so(tmp_path, last, fil
     same = compare_builds(last, digests(files), files)
     assert same.unchanged
     assert "Nothing: each of the robot's files is as it was" in text(same)
-    assert changed(None, Secrets({})) == ""
+    assert changes_section(None, Secrets({})) == ""
 
 
 def test_what_is_equal_by_its_digest_is_not_read(last, files):
@@ -135,7 +135,7 @@ def test_names_and_secrets_break_out_nowhere(last, files):
 
     new = changed_robot(files, renamed)
     changes = compare_builds(last, digests(new), new)
-    html = changed(changes, Secrets({"ONSHAPE_SECRET_KEY": "s3cr3t-value"}))
+    html = changes_section(changes, Secrets({"ONSHAPE_SECRET_KEY": "s3cr3t-value"}))
     assert "<img" not in html
     assert "s3cr3t" not in html
     assert HOSTILE in Reader(html.encode()).text.replace("\n", "")

@@ -8,7 +8,7 @@ import pytest
 from linkwright.pipeline.config.choices import Choices, resolve_choices
 from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.overrides import read
-from linkwright.pipeline.config.presets import GROUPS, SEVERAL
+from linkwright.pipeline.config.presets import GROUPS, MULTIPLE_GROUPS
 
 
 @pytest.fixture(scope="module")
@@ -127,7 +127,7 @@ def test_what_cannot_be_carried_is_answered_with_what_to_do(values, typed, messa
     ]
 
 
-NONE = dict.fromkeys(SEVERAL, ())
+NONE = dict.fromkeys(MULTIPLE_GROUPS, ())
 """No option of a group that takes several."""
 
 ROOT, URL = {"base": "fixed", "select": "x"}, {"kind": "onshape", "url": "mine"}

@@ -11,7 +11,7 @@ from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.config.files import yaml_file
 from linkwright.pipeline.config.hydra import files as hydra_files
 from linkwright.pipeline.errors import ConfigError
-from linkwright.pipeline.output.packing import _configured
+from linkwright.pipeline.output.packing import _configured_cache
 from tests.support.users import write
 
 HEAD = "# @package _global_\ndefaults:\n  - override /source: sample\n"
@@ -100,4 +100,4 @@ def test_a_pipe_is_no_robot(tmp_path):
 def test_the_configuration_that_a_build_left_is_judged_too(tmp_path):
     for text, folder in ((laughing("*{}") + "cache: {dir: /x}\n", None), ('{"cache": {"dir": "/x"}}', "/x")):
         (tmp_path / "config.yaml").write_text(text)
-        assert _configured(tmp_path) == folder
+        assert _configured_cache(tmp_path) == folder

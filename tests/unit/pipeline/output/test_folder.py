@@ -111,7 +111,7 @@ def test_failed_folder_with_user_files_stays_ours(tmp_path):
     notes.write_text("mine")
     output.remove(FAILED)
     output.remove(FAILED)
-    assert manifest.ours(output.folder(FAILED)) == {}
+    assert manifest.written_files(output.folder(FAILED)) == {}
     output.publish({"report.json": OURS}, FAILED)
     assert notes.read_text() == "mine"
     notes.unlink()
@@ -218,7 +218,9 @@ def test_home_root_and_working_folder_are_refused(tmp_path, monkeypatch, capsys)
     monkeypatch.chdir(work)
     for folder in (tmp_path, tmp_path / "home", home, work):
         (folder / "report.json").write_bytes(OURS)
-        (folder / manifest.NAME).write_text(json.dumps({manifest.MARK: 1, "files": {"report.json": None}}))
+        (folder / manifest.NAME).write_text(
+            json.dumps({manifest.MARK_KEY: 1, "files": {"report.json": None}})
+        )
     before = everything(tmp_path)
     for named in ("/", "~", ".", "..", "../..", str(tmp_path), "~/work/../work", "x/.."):
         for more in ([], ["overwrite=true"]):

@@ -45,7 +45,7 @@ def put_everything(folder):
 def test_user_files_are_carried_over_and_named(output, heard):
     named = json.loads((output.target / manifest.NAME).read_bytes())["files"]
     assert set(named) == set(build(b""))
-    assert manifest.ours(output.target) == named
+    assert manifest.written_files(output.target) == named
     assert [*manifest.foreign_or_changed(output.target, named)] == []
     users = put_everything(output.target)
 
@@ -162,7 +162,7 @@ def test_other_line_ends_and_deleted_files_are_no_change(output):
 
 
 def test_folder_of_version_0_1_is_known_by_its_report(output):
-    digest = manifest.ours(output.target)["arm.xml"]
+    digest = manifest.written_files(output.target)["arm.xml"]
     (output.target / manifest.NAME).unlink()
     report = {"linkwright-report": 1, "outputs": {"arm.xml": digest, "assets/a.stl": digest, "../x": digest}}
     (output.target / "report.json").write_text(json.dumps(report))
@@ -348,7 +348,7 @@ def test_kill_at_any_step_of_removing_loses_no_user_file(tmp_path):
         assert (output.folder(FAILED) / "NOTES.md").read_text() == "mine"
         output.remove(FAILED)
         assert content(output.folder(FAILED)) == {"NOTES.md": b"mine"}
-        assert manifest.ours(output.folder(FAILED)) == {}
+        assert manifest.written_files(output.folder(FAILED)) == {}
         if not killed:
             break
     assert not killed

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from linkwright.pipeline.caching.actions import MemoResult
-from linkwright.pipeline.mesh_details import details, kept
+from linkwright.pipeline.mesh_details import as_cached, details
 from linkwright.pipeline.page.document import page
 from linkwright.pipeline.secrets import Secrets
 from linkwright.stages.mesh.view.views import PICTURES
@@ -65,11 +65,11 @@ def test_links_have_totals_of_colliders_and_geoms():
 
 
 def test_colliders_of_a_cached_stage_are_cached():
-    again = kept({**TABLES, "excludes": [1]})
+    again = as_cached({**TABLES, "excludes": [1]})
     assert all(row["cached"] for row in again["colliders"])
     assert [row["seconds"] for row in again["colliders"]] == [1.25, 0.0, 29.5, 0.001]
     assert (again["links"], again["excludes"]) == (TABLES["links"], [1])
-    assert kept({}) == {}
+    assert as_cached({}) == {}
     assert not TABLES["colliders"][2]["cached"]
 
 

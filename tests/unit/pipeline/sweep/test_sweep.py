@@ -12,7 +12,7 @@ from linkwright.pipeline.cli import run
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.output.folder import Output
-from linkwright.pipeline.output.manifest import ours
+from linkwright.pipeline.output.manifest import written_files
 from linkwright.pipeline.reference.exit_status import MEANINGS
 from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.sweep.folder import prepare, write_summaries
@@ -321,7 +321,7 @@ def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch
     prepare(tmp_path / "one", [Job(0, "mesh=hull", plan)], ["mesh=hull,coacd"])
     write_summaries([], tmp_path / "one")
     assert (tmp_path / "one" / ENGINE_FILE).read_bytes() == b"engine"
-    assert ENGINE_FILE in ours(tmp_path / "one")
+    assert ENGINE_FILE in written_files(tmp_path / "one")
     prepare(tmp_path / "one", [Job(0, "mesh=hull", plan)], ["mesh=hull,coacd"])  # nothing is in the way
     without = plan.model_copy(update={"page": plan.page.model_copy(update={"live": "kinematics"})})
     prepare(tmp_path / "two", [Job(0, "mesh=hull", without)], [])
@@ -350,7 +350,7 @@ def test_page_of_a_sweep_shows_its_jobs_and_no_secret(monkeypatch):
     assert [path for path in files if secret.encode() in path.read_bytes()] == []
     folder = next(job["folder"] for job in runs_of(Path("there"))[-1]["jobs"] if job["status"] == 0)
     assert f"{folder}/report.html" in [unquote(link) for link in read.links]
-    assert ours(Path("there"))["summary.html"] == sha256(page)
+    assert written_files(Path("there"))["summary.html"] == sha256(page)
     shutil.rmtree(Path("there", folder))
     assert run(SWEEP, build) == 1
     assert Path("there/summary.html").read_bytes() == page

@@ -73,7 +73,7 @@ def guest_like(monkeypatch):
 
 
 def preview(cache, files=FILES, kind="png"):
-    return room.begun(cache, files, {}, kind).result()
+    return room.start_drawing(cache, files, {}, kind).result()
 
 
 @pytest.fixture
@@ -261,7 +261,7 @@ def test_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, guest_lik
         "from linkwright.pipeline.caching.actions import Cache\n"
         "from linkwright.pipeline.caching.store import Store\n"
         f"cache = Cache(Store(Path({str(tmp_path / 'cache')!r})))\n"
-        f"found = room.begun(cache, {FILES!r}, {{}}, 'png').result()\n"
+        f"found = room.start_drawing(cache, {FILES!r}, {{}}, 'png').result()\n"
         "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"
         "print(found.files, heavy)"
     )
