@@ -27,7 +27,7 @@ Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
 """Function that returns the meshes of parts; parts without a mesh are left out."""
 
 
-def com_outside_hull(
+def com_reports(
     links: Sequence[Link], library: Library, shapes: Sequence[Shape], files: Mapping[str, bytes]
 ) -> list[Diagnostic]:
     """Reports W-COM-OUTSIDE for each link whose centre of mass is outside the hull of all its parts and

@@ -58,7 +58,7 @@ def too_small(
     return small if len(small) < len(colliding) else frozenset()
 
 
-def reported(small: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
+def small_part_reports(small: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     """Reports I-SMALL-PARTS with the parts that have no collider. `small`: link → names of these parts."""
     labels = [f"{name} of {link}" for link, names in small.items() for name in sorted(names)]
     if not labels:

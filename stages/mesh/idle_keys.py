@@ -16,7 +16,9 @@ MAKER_KEYS = ("tolerance", "fine", "extra_volume", "effort", "coacd")
 a part that mesh.colliders names."""
 
 
-def idle_keys(sections: "MeshSections", makers: Collection[Maker], source: str) -> Iterator[Diagnostic]:
+def idle_key_reports(
+    sections: "MeshSections", makers: Collection[Maker], source: str
+) -> Iterator[Diagnostic]:
     """Yields I-IDLE-KEY for each key that is set although nothing reads it. `makers`: the default maker and
     the makers that are chosen for parts; `source`: the kind of source."""
     section, default = sections.mesh, type(sections.mesh)()

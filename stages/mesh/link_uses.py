@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from linkwright.stages.mesh import link_mesh
-from linkwright.stages.mesh.collide.make import ColliderJob, jobs_of
+from linkwright.stages.mesh.collide.make import ColliderJob, MadeCollider, collider_indices, jobs_of
 from linkwright.stages.mesh.contact_parts import too_small
 from linkwright.stages.mesh.library import MeshLibrary
-from linkwright.stages.mesh.link_mesh import LinkParts, PlacedMesh
+from linkwright.stages.mesh.link_mesh import LinkParts, PartFinding, PlacedMesh
 from linkwright.stages.mesh.part_choices import PartChoice
 from linkwright.stages.mesh.visuals.make import LinkVisuals
 from linkwright.stages.robot import codec
@@ -45,6 +45,10 @@ class LinkUses:
         names = [self.parts[index].name for index in colliding]
         for job in jobs_of(link, uses, names, [self.choices[index].maker for index in colliding]):
             yield replace(job, parts=tuple(colliding[index] for index in job.parts))
+
+    def parts_of(self, job: ColliderJob) -> list[Part]:
+        """Returns the parts of the link for which a job makes a collider."""
+        return [self.parts[index] for index in job.parts]
 
 
 def used_meshes(
@@ -87,6 +91,32 @@ def link_visuals(
         return link_mesh.decode(memo("mesh.link", key, make)) if uses else LinkVisuals((), (), None)
 
     return {name: visuals_of_link(link.uses) for name, link in uses_by_link.items()}
+
+
+def choices_by_collider(
+    made_colliders: Sequence[MadeCollider], uses_by_link: Mapping[str, LinkUses]
+) -> dict[tuple[str, int], PartChoice]:
+    """Returns the choice for the first part of each collider, by link and index of the collider in it. Parts
+    that share a collider have the same choice of contact."""
+    return {
+        (collider.job.link, index): uses_by_link[collider.job.link].choices[collider.job.parts[0]]
+        for collider, index in zip(made_colliders, collider_indices(made_colliders), strict=True)
+    }
+
+
+def part_findings(link: Link, uses: LinkUses) -> list[tuple[Part, PartFinding]]:
+    """Returns all parts of a link with the findings about their meshes, parts without a mesh last."""
+    bare_parts = [(part, PartFinding(found=False, volume=None)) for part in link.parts if part.mesh is None]
+    return [*zip(uses.parts, uses.link_parts.findings, strict=True), *bare_parts]
+
+
+def small_part_names(uses_by_link: Mapping[str, LinkUses]) -> dict[str, list[str]]:
+    """Returns the names of the parts that are too small for a collider, for each link that has such parts."""
+    return {
+        link: [uses.parts[index].name for index in uses.small]
+        for link, uses in uses_by_link.items()
+        if uses.small
+    }
 
 
 def _link_parts(uses: Sequence[PlacedMesh], library: MeshLibrary, memo: "Memo") -> LinkParts:

@@ -28,23 +28,27 @@ from linkwright.stages.validate.model.coordinates import pose_of, set_values
 from linkwright.stages.validate.model.seen_surfaces import SeenSurfaces
 from linkwright.stages.validate.model.shapes import is_bare_by_choice, seen_and_solid
 
-FALSE_DEPTH = 2e-3
-"""Depth [m] above which a contact can be false, and distance [m] within which visual shapes count as near."""
+MIN_FALSE_DEPTH = 2e-3
+"""Depth [m] above which a contact can be false."""
+
+MIN_FALSE_DISTANCE = 2e-3
+"""Distance [m] of visual shapes above which their contact is false; nearer shapes count as near."""
 
 TOUCH_DISTANCE = 1e-4
 """Distance [m] within which colliders touch: faces that slide on each other must touch, also in single
 precision."""
 
-HOME_FALSE_DEPTH = 1e-5
-HOME_MIN_DISTANCE = 2e-4
-"""Limits at `home` [m]. Smaller depths are mere touches. Nearer visual shapes may touch in CAD, since meshes
-deviate from CAD by as much."""
+MIN_HOME_FALSE_DEPTH = 1e-5
+"""The same depth at `home` [m]: a smaller one is a mere touch."""
+
+MIN_HOME_FALSE_DISTANCE = 2e-4
+"""The same distance at `home` [m]: nearer shapes may touch in CAD, since meshes deviate by as much."""
 
 SLIDE_TRAVEL = 0.5
 """Travel [m] of slides without limits."""
 
 SALT = "contacts that others than the maker of colliders see"
-"""Seed of the sampled poses, so that they differ from those at which colliders are made."""
+"""Seed of the sampled poses, which differ from those at which colliders are made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,21 +57,16 @@ class PairErrors:
 
     bodies: tuple[int, int]
     """The indices of the bodies in the model."""
-
     false_count: int
-    """Number of poses with a false contact."""
-
+    """Number of sampled poses with a false contact, `home` not counted."""
     missed_count: int
-    """Number of poses with a missed contact."""
-
+    """Number of sampled poses with a missed contact, `home` not counted."""
     max_distance: float
-    """The largest distance [m] of the visual shapes at the false contacts; 0 without any."""
-
+    """The largest distance [m] of the visual shapes over the poses of `false_count`; 0 without any."""
     home_depth: float
-    """The depth [m] of a false contact at `home`; 0 without it."""
-
+    """The depth [m] of a false contact at `home`; 0 if there is none."""
     reason: ExcludeReason | None
-    """Why the pair is excluded from contact, if it is."""
+    """Why the pair is excluded from contact; None if it is not excluded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +75,10 @@ class ContactErrors:
 
     pose_count: int
     """Number of sampled poses, `home` not counted."""
-
     body_count: int
     """Number of visible bodies that were judged."""
-
     pairs: tuple[PairErrors, ...]
+    """The pairs with errors, in the order of their bodies."""
 
 
 @dataclass(slots=True)
@@ -88,50 +86,58 @@ class _PairResults:
     """The results for two bodies so far."""
 
     reason: ExcludeReason | None
+    """Why the pair is excluded from contact; None if it is not excluded."""
     false_poses: list[Array] = field(default_factory=list)
-    """first_from_second (4, 4) of the bodies, for each sampled pose with a false contact."""
-
+    """first_from_second (4, 4) of the bodies, for each sampled pose that may have a false contact."""
     missed_count: int = 0
     """Number of sampled poses with a missed contact."""
-
     is_missed_at_home: bool = False
+    """Whether the contact is missed at `home`; this only explains an exclusion, see `contact_errors`."""
     home_depth: float = 0.0
-    """The depth [m] of a false contact at `home`."""
+    """The depth [m] of a false contact at `home`; 0 if there is none."""
+
+    def add_false(self, first_from_second: Array, depth: float, *, at_home: bool) -> None:
+        """Adds a pose (4, 4) with a false contact of this depth [m]."""
+        if at_home:
+            self.home_depth = depth
+        else:
+            self.false_poses.append(first_from_second)
+
+    def add_missed(self, *, at_home: bool) -> None:
+        """Adds a pose with a missed contact."""
+        if at_home:
+            self.is_missed_at_home = True
+        else:
+            self.missed_count += 1
 
 
-class _Judge:
-    """The bodies of a robot in MuJoCo, with their visual shapes and colliders, and the results so far.
+class _ContactJudge:
+    """Compares the contacts of a robot's colliders with those of its visual shapes, pose by pose.
 
-    Bodies and geoms are indices in the model; in a pair of bodies, the lower index comes first.
+    Bodies and geoms are indices in the model; in a pair of bodies, the lower index comes first. The pose is
+    that of `data`.
     """
 
     def __init__(self, compiled: CompiledModel) -> None:
         self.model = compiled.model
         self.data = mujoco.MjData(self.model)
         body_of_link = {link.name: body_index(self.model, link.name) for link in compiled.robot.links}
-        judged = {body_of_link[link.name] for link in compiled.robot.links if _is_judged(link)}
-        visuals, colliders = dict[int, list[int]](), dict[int, list[int]]()
-        for body, (visual_geoms, colliding_geoms) in seen_and_solid(self.model).items():
-            if body not in judged or not visual_geoms:
-                continue
-            if colliding_geoms or not _is_bare_by_intent(compiled, body):
-                visuals[body], colliders[body] = visual_geoms, colliding_geoms
-        self.colliders = dict(sorted(colliders.items()))
+        visuals, self.colliders = _judged_geoms(compiled, body_of_link)
         self.bodies = np.array(list(self.colliders), dtype=int)
         self.body_of_geom = np.full(self.model.ngeom, -1)
         for body, geoms in self.colliders.items():
             self.body_of_geom[geoms] = body
         self.surfaces = SeenSurfaces(self.model, visuals)
         boxes = np.array([self.surfaces.box(body) for body in self.colliders]).reshape(-1, 2, 3)
-        self.box_centres, self.box_halves = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2.0
+        self.box_centres, self.box_half_sizes = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2.0
         self.reasons: dict[tuple[int, int], ExcludeReason] = {}
-        self.partly_excluded: set[tuple[int, int]] = set()
+        self.partly_excluded_pairs: set[tuple[int, int]] = set()
         for exclude in compiled.geometry.excludes if compiled.geometry else ():
             ends = body_of_link.get(exclude.link_a, -1), body_of_link.get(exclude.link_b, -1)
             pair = min(ends), max(ends)
             self.reasons[pair] = exclude.reason
-            # Which visual shapes belong to the shapes that do not collide is unknown.
-            self.partly_excluded |= {pair} if exclude.geoms else set()
+            if exclude.geoms:
+                self.partly_excluded_pairs.add(pair)
         self.results: dict[tuple[int, int], _PairResults] = {}
 
     def results_of(self, first: int, second: int) -> _PairResults:
@@ -148,7 +154,7 @@ class _Judge:
         """Returns the pose (4, 4) of the second body in the frame of the first."""
         return inverse(pose_of(self.data, first)) @ pose_of(self.data, second)
 
-    def depths(self) -> dict[tuple[int, int], float]:
+    def contact_depths(self) -> dict[tuple[int, int], float]:
         """Returns, for each pair of bodies in contact, the depth [m] by which their colliders overlap."""
         mujoco.mj_collision(self.model, self.data)
         depths: dict[tuple[int, int], float] = {}
@@ -164,10 +170,10 @@ class _Judge:
         """Returns the pairs of bodies whose boxes around their visual shapes meet."""
         rotations = self.data.xmat[self.bodies].reshape(-1, 3, 3)
         centres = self.data.xpos[self.bodies] + np.einsum("nij,nj->ni", rotations, self.box_centres)
-        # Half sizes of the boxes along the world's axes around the turned boxes.
-        halves = np.einsum("nij,nj->ni", np.abs(rotations), self.box_halves)
+        # Boxes along the world's axes, around the turned boxes.
+        half_sizes = np.einsum("nij,nj->ni", np.abs(rotations), self.box_half_sizes)
         # The bodies are sorted, and so are the pairs.
-        pairs = self.bodies[meeting_boxes(centres - halves, centres + halves)].tolist()
+        pairs = self.bodies[meeting_boxes(centres - half_sizes, centres + half_sizes)].tolist()
         return [(first, second) for first, second in pairs]
 
     def are_touching(self, first: int, second: int) -> bool:
@@ -180,76 +186,95 @@ class _Judge:
             for other_geom in self.colliders[second]
         )
 
-    def judge_pose(self, *, at_home: bool) -> None:
-        """Adds the false and missed contacts at the pose of `data` to the results."""
-        depths = self.depths()
+    def add_pose(self, *, at_home: bool) -> None:
+        """Adds the false and missed contacts at the pose to the results. `at_home`: whether it is `home`."""
+        depths = self.contact_depths()
         self._add_false(depths, at_home)
         self._add_missed(depths, at_home)
 
     def _add_false(self, depths: Mapping[tuple[int, int], float], at_home: bool) -> None:
-        min_depth, min_distance = FALSE_DEPTH, FALSE_DEPTH
+        """Adds the false contacts among the `depths`, see `contact_depths`."""
+        min_depth, min_distance = MIN_FALSE_DEPTH, MIN_FALSE_DISTANCE
         if at_home:
-            min_depth, min_distance = HOME_FALSE_DEPTH, HOME_MIN_DISTANCE
+            min_depth, min_distance = MIN_HOME_FALSE_DEPTH, MIN_HOME_FALSE_DISTANCE
         for (first, second), depth in depths.items():
             if depth <= min_depth or self.are_neighbours(first, second):
                 continue
-            pose = self.first_from_second(first, second)
-            if self.surfaces.near(first, second, pose, min_distance):
-                continue
-            results = self.results_of(first, second)
-            if at_home:
-                results.home_depth = depth
-            else:
-                results.false_poses.append(pose)
+            first_from_second = self.first_from_second(first, second)
+            if not self.surfaces.near(first, second, first_from_second, min_distance):
+                self.results_of(first, second).add_false(first_from_second, depth, at_home=at_home)
 
     def _add_missed(self, depths: Mapping[tuple[int, int], float], at_home: bool) -> None:
+        """Adds the missed contacts: visual shapes intersect, but `depths` has no contact of the colliders."""
         for first, second in self.pairs_with_meeting_boxes():
             is_in_contact = depths.get((first, second), -np.inf) >= -TOUCH_DISTANCE
-            if is_in_contact or (first, second) in self.partly_excluded or self.are_neighbours(first, second):
+            # Of a partly excluded pair, the visual shapes of the colliders that still collide are unknown.
+            is_unknown = (first, second) in self.partly_excluded_pairs
+            if is_in_contact or is_unknown or self.are_neighbours(first, second):
                 continue
             if not self.surfaces.near(first, second, self.first_from_second(first, second), 0.0):
                 continue
             # Excluded colliders do not touch in a simulation, wherever they are.
             is_excluded = self.reasons.get((first, second)) is not None
             if is_excluded or not self.are_touching(first, second):
-                results = self.results_of(first, second)
-                results.is_missed_at_home |= at_home
-                results.missed_count += not at_home
+                self.results_of(first, second).add_missed(at_home=at_home)
 
 
 def contact_errors(compiled: CompiledModel, max_poses: int, salt: str = SALT) -> ContactErrors:
-    """Finds the pairs of bodies with false or missed contacts, at `home` and at up to `max_poses` sampled
-    poses, at which loops are closed. `salt`: seed of the poses.
+    """Finds the pairs of bodies with false contacts, at `home` or at up to `max_poses` sampled poses, or with
+    missed contacts at sampled poses. Loops are closed at all poses. `salt`: seed of the poses.
 
     Neighbours never collide, and are not judged. A pair that is excluded because it touches in every pose is
     missed only if its visual shapes overlap in some sampled poses, but neither in all of them nor at `home`.
     """
-    judge, robot = _Judge(compiled), compiled.robot
+    judge, robot = _ContactJudge(compiled), compiled.robot
     start = home(robot)
-    values = sampled_poses(robot, max_poses, SLIDE_TRAVEL, start, salt) if robot.dofs else {}
-    pose_count = count_of(values) if values else 0
+    samples_by_dof = sampled_poses(robot, max_poses, SLIDE_TRAVEL, start, salt) if robot.dofs else {}
+    pose_count = count_of(samples_by_dof) if samples_by_dof else 0
     set_values(judge.model, judge.data, robot, start, urdf=False)
-    judge.judge_pose(at_home=True)
+    judge.add_pose(at_home=True)
     for row in range(pose_count):
-        q = {name: _value(samples[row]) for name, samples in values.items()}
-        set_values(judge.model, judge.data, robot, q, urdf=False)
-        judge.judge_pose(at_home=False)
-    errors = []
-    for bodies, results in sorted(judge.results.items()):
-        false_poses = judge.surfaces.outside(*bodies, results.false_poses)
-        overlaps_always = results.is_missed_at_home or results.missed_count == pose_count
-        missed_count = 0 if results.reason == "Always" and overlaps_always else results.missed_count
-        if false_poses or missed_count or results.home_depth:
-            max_distance = judge.surfaces.furthest(*bodies, false_poses) if false_poses else 0.0
-            errors.append(
-                PairErrors(
-                    bodies, len(false_poses), missed_count, max_distance, results.home_depth, results.reason
-                )
-            )
-    return ContactErrors(pose_count, len(judge.bodies), tuple(errors))
+        values = {name: _value(samples[row]) for name, samples in samples_by_dof.items()}
+        set_values(judge.model, judge.data, robot, values, urdf=False)
+        judge.add_pose(at_home=False)
+    pairs = [
+        _pair_errors(bodies, results, judge.surfaces, pose_count)
+        for bodies, results in sorted(judge.results.items())
+    ]
+    wrong_pairs = [pair for pair in pairs if pair.false_count or pair.missed_count or pair.home_depth]
+    return ContactErrors(pose_count, len(judge.bodies), tuple(wrong_pairs))
 
 
-def _is_judged(link: Link) -> bool:
+def _pair_errors(
+    bodies: tuple[int, int], results: _PairResults, surfaces: SeenSurfaces, pose_count: int
+) -> PairErrors:
+    """Returns the errors of a pair; its counts and its depth may all be 0."""
+    # A contact is not false if one visual shape is inside the other.
+    false_poses = surfaces.outside(*bodies, results.false_poses)
+    # Visual shapes that overlap at `home` or in all poses are the reason for the exclusion.
+    explains_exclusion = results.is_missed_at_home or results.missed_count == pose_count
+    missed_count = 0 if results.reason == "Always" and explains_exclusion else results.missed_count
+    max_distance = surfaces.furthest(*bodies, false_poses) if false_poses else 0.0
+    return PairErrors(
+        bodies, len(false_poses), missed_count, max_distance, results.home_depth, results.reason
+    )
+
+
+def _judged_geoms(
+    compiled: CompiledModel, body_of_link: Mapping[str, int]
+) -> tuple[dict[int, list[int]], dict[int, list[int]]]:
+    """Returns the visual geoms and the colliders of each judged body, in the order of the bodies."""
+    comparable = {body_of_link[link.name] for link in compiled.robot.links if _is_comparable(link)}
+    visuals, colliders = dict[int, list[int]](), dict[int, list[int]]()
+    for body, (visual_geoms, colliding_geoms) in sorted(seen_and_solid(compiled.model).items()):
+        if body not in comparable or not visual_geoms:
+            continue
+        if colliding_geoms or not _is_bare_by_intent(compiled, body):
+            visuals[body], colliders[body] = visual_geoms, colliding_geoms
+    return visuals, colliders
+
+
+def _is_comparable(link: Link) -> bool:
     """Tells whether a link's visual shapes can be compared with its colliders: all colliders are visible, or
     there are purely visual shapes in their place."""
     parts = [part for part in link.parts if part.mesh is not None]
@@ -268,7 +293,7 @@ def _is_bare_by_intent(compiled: CompiledModel, body: int) -> bool:
 
 
 def _value(value: Any) -> float | tuple[float, ...]:
-    """Returns the value of a dof as a number or, from an array, as a tuple."""
+    """Returns the value of a dof, a number or an array, as a number or a tuple."""
     return float(value) if np.ndim(value) == 0 else tuple(map(float, value))
 
 

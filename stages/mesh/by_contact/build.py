@@ -110,7 +110,7 @@ def _reasons(link: str, pieces: int, solution: Solution, end: End | None) -> Ite
         yield f"meets the world: {1e3 * end.p95:.2g} mm out of the link, of {1e3 * end.tolerance:.2g} mm"
 
 
-def false_contacts(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
+def false_contact_reports(pairs: Sequence[FalsePair]) -> Iterator[Diagnostic]:
     """Yields W-FALSE-CONTACT for links of false pairs; each pair is reported once."""
     # A pair is listed with a link that already has other pairs, so that few links are reported.
     by_link: dict[str, list[FalsePair]] = {}

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.mesh.collide import collision
 from linkwright.stages.mesh.motion_digest import motion_digest
-from linkwright.stages.mesh.surfaces.pieces import Piece
-from linkwright.stages.robot.model.robot import Robot
+from linkwright.stages.mesh.surfaces.pieces import Piece, placed
+from linkwright.stages.robot.model.robot import Link, Robot
 from linkwright.stages.robot.motion.adjacency import Pair
 
 if TYPE_CHECKING:
-    from linkwright.stages.mesh.collide.make import ColliderJob
+    from linkwright.stages.mesh.collide.make import ColliderJob, MadeCollider
 
 POSES = 512
 """Number of seeded poses for which colliders are made. With fewer, pairs that rarely touch falsely seem to do
@@ -49,6 +49,18 @@ class ContactRequest:
             "poses": POSES,
             "engine": _engine(),
         }
+
+
+def fixed_pieces(links: Sequence[Link], made_colliders: Sequence[MadeCollider]) -> dict[str, list[Piece]]:
+    """Returns the pieces that collide whatever contact decides, by link: those of finished colliders, and the
+    links' own primitives. Links without any are left out."""
+    pieces_by_link: dict[str, list[Piece]] = {}
+    for collider in made_colliders:
+        pieces = [placed(piece, collider.job.link_from_subject) for piece in collider.collision.pieces]
+        pieces_by_link.setdefault(collider.job.link, []).extend(pieces)
+    for link in links:
+        pieces_by_link.setdefault(link.name, []).extend(shape for shape in link.shapes if shape.collision)
+    return {link: pieces for link, pieces in pieces_by_link.items() if pieces}
 
 
 def _engine() -> str:

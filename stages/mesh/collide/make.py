@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -278,3 +279,13 @@ def jobs_of(
         name = names[indices[0]] if len(indices) == 1 else link
         meshes = tuple(placed_meshes[index] for index in indices)
         yield ColliderJob(link, name, choices[indices[0]], meshes, tuple(indices))
+
+
+def collider_indices(made_colliders: Sequence[MadeCollider]) -> list[int]:
+    """Returns the index of each collider among the colliders of its link."""
+    counts: Counter[str] = Counter()
+    indices = []
+    for collider in made_colliders:
+        indices.append(counts[collider.job.link])
+        counts[collider.job.link] += 1
+    return indices

@@ -1,16 +1,21 @@
 """Converts primitives (boxes, spheres, cylinders, capsules) to shapes of a `Geometry`."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from linkwright.stages.formats.meshes.surface import Surface
+from linkwright.stages.mesh.collide.collision import Collider
+from linkwright.stages.mesh.files import mesh_file
+from linkwright.stages.mesh.files.mesh_file import MeshFile
 from linkwright.stages.mesh.surfaces.convex_hull import convex_hull
 from linkwright.stages.robot.dynamics.inertia import primitive_volume
+from linkwright.stages.robot.model.geom_form import PLAIN
 from linkwright.stages.robot.model.geometry import NEUTRAL, Colour, Role, Shape
-from linkwright.stages.robot.model.robot import Link, Primitive
+from linkwright.stages.robot.model.robot import Link, Part, Primitive
+from linkwright.stages.targets.engines import ShapeLimits
 
 
 def shapes(link: Link) -> Iterator[Shape]:
@@ -42,6 +47,33 @@ def prism(cylinder: Primitive) -> Surface | None:
     corners = [[radius * math.cos(turn), radius * math.sin(turn), end] for end in ends for turn in turns]
     pose = cylinder.link_from_shape
     return convex_hull(np.array(corners) @ pose[:3, :3].T + pose[:3, 3])
+
+
+def engine_solid(solid: Collider, limits: ShapeLimits) -> Collider:
+    """Returns a mesh or primitive as it is, but a prism of equal volume for a cylinder that a target cannot
+    collide."""
+    if isinstance(solid, MeshFile) or solid.kind != "cylinder" or "cylinder" not in limits.without:
+        return solid
+    surface = prism(solid)
+    return solid if surface is None else mesh_file.collider(surface)
+
+
+def replacement_mesh(shape: Shape, limits: ShapeLimits) -> MeshFile | None:
+    """Returns the mesh that replaces a primitive of the link itself; None if the primitive stays."""
+    if shape.role == "visual" or shape.primitive is None:
+        return None
+    solid = engine_solid(shape.primitive, limits)
+    return solid if isinstance(solid, MeshFile) else None
+
+
+def with_form(shape: Shape, parts: Sequence[Part], limits: ShapeLimits) -> Shape:
+    """Returns a collider with the form of its part's MJCF geom; the form is plain if several `parts` share
+    the collider. A mesh of an ellipsoid also gets the ellipsoid, if all targets can collide it."""
+    form = parts[0].form if len(parts) == 1 else PLAIN
+    if not form.ellipsoid or "ellipsoid" in limits.without:
+        return replace(shape, form=form)
+    ellipsoid = Primitive("ellipsoid", form.ellipsoid, parts[0].link_from_part)
+    return replace(shape, form=form, ellipsoid=ellipsoid)
 
 
 def collider(link: str, primitive: Primitive) -> Shape:

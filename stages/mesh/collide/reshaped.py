@@ -25,7 +25,7 @@ ColliderWithParts = tuple[MadeCollider, Sequence[Part]]
 """A collider, and the parts for which it was made."""
 
 
-def reshaped(
+def target_reports(
     links: Sequence[Link],
     colliders: Sequence[ColliderWithParts],
     makers: Collection[Choice],

@@ -1,4 +1,5 @@
-"""Defines chunks: pieces of a collider, each with the triangles of the link that it encloses."""
+"""Defines chunks, pieces of a collider with the triangles of the link that they enclose, and portions of a
+part that are to become pieces."""
 
 from __future__ import annotations
 
@@ -6,14 +7,18 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 
 from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.fit import capped_hull
 from linkwright.stages.mesh.surfaces.convex_hull import outwards
-from linkwright.stages.mesh.surfaces.pieces import Piece, surface_of
+from linkwright.stages.mesh.surfaces.pieces import Distances, Piece, surface_of
 from linkwright.stages.mesh.surfaces.snapping import snapped
 from linkwright.stages.robot.contact.clearance import engine
+
+Numbers = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 _MIN_THICKNESS = 1e-6
 """Smallest ratio [m] of volume to area of a hull that does not count as flat."""
@@ -24,6 +29,10 @@ more."""
 
 _CELLS_ALONG_DIAGONAL = 30
 """Number of grid cells along the diagonal of a piece; its cloud has at most one point in each cell."""
+
+_FREE_DISTANCE = 0.3
+"""Distance outside of the part, in tolerances, that costs nothing: a point farther out costs the rest of its
+distance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +84,40 @@ class Chunk:
         if not self._cloud:
             self._cloud.append(cloud_of(self.surface))
         return self._cloud[0]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Portion:
+    """A portion of a part with its hull. The hull becomes a piece, unless the portion is cut or joined."""
+
+    surface: Surface
+    """Triangles of the part in this portion; of joined portions, their common hull."""
+    hull: Surface
+    """Hull of the triangles, with all corners."""
+    volume: float
+    """Volume of the hull [m³]."""
+    points: Points
+    """Points on the hull (n, 3) [m]."""
+    distances: Numbers
+    """Distance of each point outside of the part (n,), in tolerances; 0 inside."""
+    point_area: float
+    """Area that each point represents [m²]."""
+    distances_beyond: Distances
+    """Function that returns how far points are beyond the hull."""
+    low: Points
+    high: Points
+    """Bounds of the hull (3,) [m]."""
+    original: Piece | None = None
+    """The piece itself, if it was made elsewhere."""
+
+    def cost(self, outer: Flags | None = None) -> float:
+        """Returns the total excess of all points, or of the `outer` points, times the area of each [m²]."""
+        return self.point_area * total_excess(self.distances if outer is None else self.distances[outer])
+
+
+def total_excess(distances: Numbers) -> float:
+    """Returns the sum of the distances (n,) beyond `_FREE_DISTANCE`, all in tolerances."""
+    return float(np.maximum(distances - _FREE_DISTANCE, 0.0).sum())
 
 
 def qhull(points: Points) -> Any | None:

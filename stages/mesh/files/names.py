@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from linkwright.stages.robot.text.names import plain, shortest_unique
 
@@ -9,23 +10,31 @@ _MAX_LINK_LETTERS = 200
 """Largest number of letters of a link's name in a file name, which may have 255 in all."""
 
 
+class FileCounts(NamedTuple):
+    """The numbers of mesh files of a link."""
+
+    visuals: int | Sequence[str]
+    """Number of visual files, or a word for each if each belongs to one part."""
+    colliders: int
+    """Number of collision files."""
+
+
 def file_names(
-    files: Mapping[str, tuple[int | Sequence[str], int]],
+    counts: Mapping[str, FileCounts],
 ) -> dict[str, tuple[list[str], list[str]]]:
     """Returns the names of the visual files and of the collision files of each link, in order.
 
-    `files`: link → either the number of its visual files or a word for each, and the number of its collision
-    files. Visual files are named `<link>_<word>.stl` if there are words, else `<link>.stl`, or
-    `<link>_<k>.stl`, counted from 1, if there are several; collision files are named
+    `counts`: the numbers of files by link. Visual files are named `<link>_<word>.stl` if there are words,
+    else `<link>.stl`, or `<link>_<k>.stl`, counted from 1, if there are several; collision files are named
     `<link>_collision.stl` or `<link>_collision_<k>.stl`. If another link has a file of the same name (links
     `arm` and `arm_1`), underscores are added until the name is unique. Case is ignored when names are
     compared. Letters that some file systems lack are left out, and long names are shortened.
     """
-    stem_of = stems(files)
+    stem_of = stems(counts)
     folded_stems = {stem.casefold() for stem in stem_of.values()}
     names_in_use: set[str] = set()
     names = {}
-    for link, (visuals, colliders) in files.items():
+    for link, (visuals, colliders) in counts.items():
         stem = stem_of[link]
         words = _numbered("", visuals) if isinstance(visuals, int) else list(visuals)
         suffixes = words + _numbered("collision", colliders)

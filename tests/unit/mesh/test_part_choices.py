@@ -12,7 +12,7 @@ from linkwright.stages.mesh import BY_CONTACT, COLLIDERS, make_geometry
 from linkwright.stages.mesh.collide import make as collide
 from linkwright.stages.mesh.collide.collision import Collision
 from linkwright.stages.mesh.colliders import hull
-from linkwright.stages.mesh.idle_keys import idle_keys
+from linkwright.stages.mesh.idle_keys import idle_key_reports
 from linkwright.stages.mesh.makers import MAKERS
 from linkwright.stages.mesh.part_choices import part_choices, with_properties
 from linkwright.stages.mesh.section import MeshSections
@@ -238,5 +238,5 @@ EXCLUDED = {"exclude": [["a", "b"]]}
     ],
 )  # fmt: skip
 def test_key_that_nothing_reads_is_named(keys, maker, source, named):
-    problems = list(idle_keys(plan_of(**keys), (maker,) if maker else (), source))
+    problems = list(idle_key_reports(plan_of(**keys), (maker,) if maker else (), source))
     assert [(problem.code, problem.where) for problem in problems] == [("I-IDLE-KEY", named)] * bool(named)

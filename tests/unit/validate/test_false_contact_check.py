@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.checks.contact import false_contact
-from linkwright.stages.validate.contact_errors import FALSE_DEPTH, SALT, SLIDE_TRAVEL
+from linkwright.stages.validate.contact_errors import MIN_FALSE_DEPTH, SALT, SLIDE_TRAVEL
 from linkwright.stages.validate.model.seen_surfaces import MAX_MEASURED_POSES, SeenSurfaces, surface, winding
 from tests.support.compiled import compiled_of
 from tests.support.robots import joint, robot_with
@@ -108,7 +108,7 @@ def test_large_colliders_are_false_where_visuals_are_apart(shape, exact):
     """By 10 mm each: where they are in each other, and what is seen is not yet within 2 mm."""
     check = judged(text([[shape(0.04)], [shape(0.06, AT)]], [[shape(0.05)], [shape(0.07, AT)]]))
     gap = AT - values() - 0.10
-    wrong = (gap - 0.02 < -FALSE_DEPTH) & (gap > FALSE_DEPTH)
+    wrong = (gap - 0.02 < -MIN_FALSE_DEPTH) & (gap > MIN_FALSE_DEPTH)
     share, apart, missed, at_home = row_of(check)
     assert wrong.sum() > 5
     assert share == percent(wrong)
@@ -170,7 +170,7 @@ def test_hull_of_a_u_holds_a_finger_out():
     nearer to the bottom than to the legs only there."""
     check = judged(text([finger(), u()], [finger(), hull_of_u()]))
     tip = values() - OPENS
-    wrong = (tip > FALSE_DEPTH) & (tip < DEPTH - FALSE_DEPTH)
+    wrong = (tip > MIN_FALSE_DEPTH) & (tip < DEPTH - MIN_FALSE_DEPTH)
     share, apart, missed, _ = row_of(check)
     assert (share, missed) == (percent(wrong), 0.0)
     assert apart == pytest.approx(1e3 * (0.03 - FINGER / 2), abs=0.01)
@@ -235,7 +235,7 @@ def test_body_within_a_solid_touches_it_and_within_a_shell_not():
         )
     ]
     tube = judged(text([large[0], sides], large))
-    assert row_of(tube)[0] == percent(values() > 0.08 + FALSE_DEPTH)
+    assert row_of(tube)[0] == percent(values() > 0.08 + MIN_FALSE_DEPTH)
 
 
 @NEEDS_DEPTHS

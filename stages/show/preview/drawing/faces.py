@@ -36,19 +36,19 @@ _SHIFTS = 4
 class Faces:
     """The visible triangles, whose colours are computed point by point.
 
-    `geom` (n,): the geom of each triangle; `flat` (n, 3): the unit normal of each triangle.
+    `geom` (n,): the geom of each triangle; `normals` (n, 3): the unit normal of each triangle.
     """
 
     def __init__(self, scene: LitRobot, placed_corners: Single, selected: Indices) -> None:
         surface = scene.surface
         self._scene = scene
         self._corners = scene.corners[selected]
-        self._normals = normals_of(scene.corners, surface.geom, selected)
+        self._corner_normals = normals_of(scene.corners, surface.geom, selected)
         self._places = surface.places[selected] if len(surface.places) else None
         self.geom = surface.geom[selected]
         self._albedo = scene.albedo[self.geom]
         a, b, c = np.moveaxis(self._corners, 1, 0)
-        self.flat = unit(cross(b - a, c - a))
+        self.normals = unit(cross(b - a, c - a))
         self._shares = _shares_of(placed_corners[selected])
 
     def colours(self, camera: Camera, face: Indices, right: Numbers, down: Numbers, finer: int) -> Single:
@@ -62,7 +62,7 @@ class Faces:
         shares /= np.maximum(shares[:, 0] + shares[:, 1] + shares[:, 2], np.float32(1e-30))[:, None]
         points = interpolate(shares, self._corners[face])
         toward = unit(camera.position.astype(np.float32) - points)
-        normals = _facing(interpolate(shares, self._normals[face]), toward)
+        normals = _facing(interpolate(shares, self._corner_normals[face]), toward)
         row, column = down.astype(np.int32) // finer, right.astype(np.int32) // finer
         light, key = self._light(
             points, normals, [pixel_shifts(row, column, turn) for turn in range(_SHIFTS)]

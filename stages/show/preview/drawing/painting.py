@@ -1,8 +1,10 @@
 """Paints the robot in a studio: with a soft shadow on a ground that fades into the background."""
 
 import functools
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from linkwright.stages.show.preview.camera import Camera, framing
 from linkwright.stages.show.preview.drawing.faces import Faces
@@ -11,6 +13,8 @@ from linkwright.stages.show.preview.drawing.studio import LitRobot
 from linkwright.stages.show.preview.drawing.vectors import dot
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers, Pixels, nearest_triangles
+
+Flags = npt.NDArray[np.bool_]
 
 SAMPLES_PER_SIDE = 2
 """Number of samples along each side of a pixel: the camera's picture has as many times the pixels of the
@@ -25,8 +29,11 @@ _SHADOW_DARKNESS = 0.62
 _MIN_OPAQUE_ALPHA = 0.99
 """Faces with at least this opacity count as opaque."""
 
-_MIN_COSINE = np.float32(0.96)
-"""Cosine of an angle: faces at a smaller angle to each other share a colour within a pixel."""
+_MIN_SAME_COLOUR_COSINE = np.float32(0.96)
+"""Cosine of the largest angle between faces of a geom that share a colour within a pixel."""
+
+_MIN_DESCENT = 1e-6
+"""Smallest descent of a ray per unit of depth at which it meets the ground; flatter rays pass above it."""
 
 _SHADOW_PIXEL_SIZE = 3
 """Width of a pixel of the ground's shadow, in pixels of the final picture."""
@@ -38,8 +45,19 @@ _SKY_BLUR, _KEY_BLUR = 4, 3
 """Half widths of the blur of the shadows of sky and key light, in pixels of the ground's shadow."""
 
 _FADE_START, _FADE_END = 1.0, 2.1
-"""Distances from the middle, in radii of the robot, at which shadows on the ground begin to fade, and are
+"""Distances from the origin, in radii of the robot, at which shadows on the ground begin to fade, and are
 gone."""
+
+
+class _DrawnSamples(NamedTuple):
+    """The samples whose colours are computed (n,)."""
+
+    pixel_rows: Indices
+    """Row of each sample's pixel among the pixels that show a face."""
+    places: Indices
+    """Index of each sample in its pixel, row by row."""
+    shares: Single
+    """Share of its pixel that each sample colours."""
 
 
 def draw_picture(scene: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
@@ -67,67 +85,81 @@ def render(scene: LitRobot, camera: Camera) -> Pixels:
     return np.asarray(np.rint(image * 255.0).astype(np.uint8))
 
 
-def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, visible: Indices) -> None:
+def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, triangles: Indices) -> None:
     """Draws triangles over an image (height, width, 3) in sRGB.
 
-    `corners` (m, 3, 3): the scene's triangles in the camera's picture; `visible`: the triangle that each
+    `corners` (m, 3, 3): the scene's triangles in the camera's picture; `triangles`: the triangle that each
     pixel of the camera's picture, a sample, shows, or -1.
     """
     side = SAMPLES_PER_SIDE
     width = image.shape[1]
     # An array for each place in a pixel, row by row, with the sample there of each pixel.
-    by_place = [visible[row::side, column::side].ravel() for row in range(side) for column in range(side)]
+    by_place = [triangles[row::side, column::side].ravel() for row in range(side) for column in range(side)]
     pixels = np.flatnonzero(functools.reduce(np.maximum, by_place) >= 0)
     if not len(pixels):
         return
-    triangles = np.stack([samples[pixels] for samples in by_place], axis=1)
-    # Only visible triangles get colours: a face is a triangle's index among them.
-    face_of_triangle = np.zeros(len(corners), dtype=np.int64)
-    face_of_triangle[triangles[triangles >= 0]] = 1
-    visible_triangles = np.flatnonzero(face_of_triangle)
-    face_of_triangle[visible_triangles] = np.arange(len(visible_triangles))
-    face_of_sample = np.where(triangles >= 0, face_of_triangle[triangles], -1)
+    triangle_of_sample = np.stack([place_triangles[pixels] for place_triangles in by_place], axis=1)
+    visible_triangles, face_of_sample = _number_faces(triangle_of_sample, len(corners))
     faces = Faces(scene, corners, visible_triangles)
-    pixel, sample, share = _drawn_samples(face_of_sample, faces)
-    face = face_of_sample[pixel, sample]
-    rows, columns = np.divmod(pixels[pixel], width)
-    down, right = side * rows + sample // side, side * columns + sample % side
+    samples = _drawn_samples(face_of_sample, faces)
+    face = face_of_sample[samples.pixel_rows, samples.places]
+    rows, columns = np.divmod(pixels[samples.pixel_rows], width)
+    down, right = side * rows + samples.places // side, side * columns + samples.places % side
     # Half a pixel further is the middle of the sample.
     colours = faces.colours(camera, face, right + 0.5, down + 0.5, side)
     alpha = scene.surface.colours[scene.surface.geom[visible_triangles], 3][face]
-    weight = (np.where(alpha >= _MIN_OPAQUE_ALPHA, 1.0, alpha) * share).astype(np.float32)
-    flat_image = image.reshape(-1, 3)
-    covered = np.bincount(pixel, weight, minlength=len(pixels)).astype(np.float32)
-    flat_image[pixels] *= (1.0 - covered)[:, None]
+    _blend(image.reshape(-1, 3), pixels, samples, colours, alpha)
+
+
+def _number_faces(triangle_of_sample: Indices, triangle_count: int) -> tuple[Indices, Indices]:
+    """Returns the visible triangles, sorted, and for each sample its face: the index of its triangle among
+    them, or -1. Only visible triangles get colours."""
+    is_visible = np.zeros(triangle_count, dtype=np.bool_)
+    is_visible[triangle_of_sample[triangle_of_sample >= 0]] = True
+    face_of_triangle = np.cumsum(is_visible) - 1
+    face_of_sample = np.where(triangle_of_sample >= 0, face_of_triangle[triangle_of_sample], -1)
+    return np.flatnonzero(is_visible), face_of_sample
+
+
+def _blend(
+    flat_image: Single, pixels: Indices, samples: _DrawnSamples, colours: Single, alpha: Single
+) -> None:
+    """Draws the colours (n, 3) of samples, with their opacities `alpha` (n,), over the `pixels` of an image
+    (height x width, 3)."""
+    weight = (np.where(alpha >= _MIN_OPAQUE_ALPHA, 1.0, alpha) * samples.shares).astype(np.float32)
+    count = len(pixels)
+    coverage = np.bincount(samples.pixel_rows, weight, minlength=count).astype(np.float32)
+    flat_image[pixels] *= (1.0 - coverage)[:, None]
     for channel in range(3):
-        flat_image[pixels, channel] += np.bincount(pixel, weight * colours[:, channel], minlength=len(pixels))
+        channel_weight = weight * colours[:, channel]
+        flat_image[pixels, channel] += np.bincount(samples.pixel_rows, channel_weight, minlength=count)
 
 
-def _drawn_samples(face: Indices, faces: Faces) -> tuple[Indices, Indices, Single]:
-    """Chooses the samples whose colours are computed. Returns for each the index of its pixel, its index in
-    the pixel, and its share of the pixel.
+def _drawn_samples(face_of_sample: Indices, faces: Faces) -> _DrawnSamples:
+    """Chooses the samples whose colours are computed: the first sample with a face, if all such samples of
+    its pixel show the same surface, else every sample with a face.
 
-    `face` (pixels, samples): the face that each sample shows, or -1. If all samples of a pixel with a face
-    show the same surface, the first of them is enough.
+    `face_of_sample` (pixels, samples): the face that each sample shows, or -1.
     """
-    sample_count = face.shape[1]
-    is_covered = face >= 0
-    first_sample = is_covered.argmax(axis=1)
-    first_face = face[np.arange(len(face)), first_sample]
-    shows_several = np.zeros(len(face), dtype=np.bool_)
-    for sample in range(sample_count):
-        differing = np.flatnonzero(is_covered[:, sample] & (face[:, sample] != first_face))
-        other_face, reference_face = face[differing, sample], first_face[differing]
-        is_parallel = dot(faces.flat[other_face], faces.flat[reference_face]) > _MIN_COSINE
-        is_same = is_parallel & (faces.geom[other_face] == faces.geom[reference_face])
+    pixel_count, sample_count = face_of_sample.shape
+    has_face = face_of_sample >= 0
+    first_place = has_face.argmax(axis=1)
+    first_face = face_of_sample[np.arange(pixel_count), first_place]
+    shows_several = np.zeros(pixel_count, dtype=np.bool_)
+    for place in range(sample_count):
+        differing = np.flatnonzero(has_face[:, place] & (face_of_sample[:, place] != first_face))
+        face, reference_face = face_of_sample[differing, place], first_face[differing]
+        cosine = dot(faces.normals[face], faces.normals[reference_face])
+        is_same = (cosine > _MIN_SAME_COLOUR_COSINE) & (faces.geom[face] == faces.geom[reference_face])
         shows_several[differing[~is_same]] = True
-    plain = np.flatnonzero(~shows_several)
-    pixel, sample_index = np.nonzero(is_covered & shows_several[:, None])
-    plain_share = np.count_nonzero(is_covered, axis=1)[plain] / sample_count
-    return (
-        np.concatenate([plain, pixel]),
-        np.concatenate([first_sample[plain], sample_index]),
-        np.concatenate([plain_share, np.full(len(pixel), 1 / sample_count)]).astype(np.float32),
+    plain_pixels = np.flatnonzero(~shows_several)
+    mixed_pixels, mixed_places = np.nonzero(has_face & shows_several[:, None])
+    plain_shares = np.count_nonzero(has_face, axis=1)[plain_pixels] / sample_count
+    mixed_shares = np.full(len(mixed_pixels), 1 / sample_count)
+    return _DrawnSamples(
+        np.concatenate([plain_pixels, mixed_pixels]),
+        np.concatenate([first_place[plain_pixels], mixed_places]),
+        np.concatenate([plain_shares, mixed_shares]).astype(np.float32),
     )
 
 
@@ -139,29 +171,41 @@ def _ground(scene: LitRobot, camera: Camera) -> Single:
     image_width, image_height = camera.width // SAMPLES_PER_SIDE, camera.height // SAMPLES_PER_SIDE
     # Rounded up.
     width, height = -(-image_width // _SHADOW_PIXEL_SIZE), -(-image_height // _SHADOW_PIXEL_SIZE)
+    sky_shade, key_shade = _shades(scene, camera, width, height).reshape(2, height, width)
+    blurred_shade = blur(sky_shade, _SKY_BLUR) + blur(key_shade, _KEY_BLUR)
+    shade = enlarge(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
+    brightness = 1.0 - np.float32(_SHADOW_DARKNESS) * shade[:, :, None]
+    return np.asarray(_BACKGROUND * brightness, dtype=np.float32)
+
+
+def _shades(scene: LitRobot, camera: Camera, width: int, height: int) -> Single:
+    """Returns the light that the ground misses (2, height * width), as a share of all light, for each pixel
+    of the shadow: first the light of the sky, then the key light."""
     rows, columns = np.divmod(np.arange(height * width), width)
-    step = SAMPLES_PER_SIDE * _SHADOW_PIXEL_SIZE
-    rays = camera.rays((columns + 0.5) * step, (rows + 0.5) * step)
-    # Rays that do not go down never meet the ground: -1.
-    goes_down = rays[:, 2] < -1e-6
-    depth = np.divide(
-        scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=goes_down
-    )
-    points = camera.position + depth[:, None] * rays
+    points, is_ground = _ground_points(scene, camera, rows, columns)
+    # The robot has the radius 1 about the origin (`studio`), so distances are in radii.
     distance = np.sqrt((points[:, :2] ** 2).sum(axis=1))
-    hit = np.flatnonzero((depth > 0) & (distance < _FADE_END))
+    hit = np.flatnonzero(is_ground & (distance < _FADE_END))
     hit_points = np.ascontiguousarray(points[hit].astype(np.float32).T)
     shift = pixel_shifts(rows[hit], columns[hit])
     full_light = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
-    # The light that is missing in each pixel, as a share of all light: that of the sky, and the key light.
-    shades = np.zeros((2, len(rays)), dtype=np.float32)
+    shades = np.zeros((2, len(points)), dtype=np.float32)
     for lamp in scene.lamps:
         is_dark = ~lamp.reaches(hit_points, shift, _SHADOW_SLACK)
         shades[int(lamp.is_key), hit] += is_dark * np.float32(lamp.power * lamp.direction[2] / full_light)
     # Far shadows fade, so that none is cut off at the picture's edge.
     shades[:, hit] *= np.clip((_FADE_END - distance[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
-    sky_shade, key_shade = shades.reshape(2, height, width)
-    blurred_shade = blur(sky_shade, _SKY_BLUR) + blur(key_shade, _KEY_BLUR)
-    shade = enlarge(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
-    brightness = 1.0 - np.float32(_SHADOW_DARKNESS) * shade[:, :, None]
-    return np.asarray(_BACKGROUND * brightness, dtype=np.float32)
+    return shades
+
+
+def _ground_points(scene: LitRobot, camera: Camera, rows: Indices, columns: Indices) -> tuple[Numbers, Flags]:
+    """Returns the points (n, 3) of the ground at pixels of its shadow, and whether each pixel shows the
+    ground; where it does not, the point means nothing."""
+    step = SAMPLES_PER_SIDE * _SHADOW_PIXEL_SIZE
+    rays = camera.rays((columns + 0.5) * step, (rows + 0.5) * step)
+    goes_down = rays[:, 2] < -_MIN_DESCENT
+    # -1: behind the camera, for rays that never meet the ground.
+    depth = np.divide(
+        scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=goes_down
+    )
+    return camera.position + depth[:, None] * rays, depth > 0
