@@ -30,8 +30,10 @@ VARIABLE_PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
 """The prefixes of the names of further variables that every build may read."""
 
 AnsweredQuestion = tuple[str, str, str]
-"""(question, subject, answer): the subject is a path, or the name of a variable or a prefix of names."""
+"""(question, subject, answer): the subject is a path, or the name of a variable or a prefix of names. The
+answers to "content" and to both questions about variables are digests."""
 
+# os.path here and below: pathlib takes up to three times as long, and an unchanged build asks many questions.
 _CONF_PREFIX = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # noqa: PTH118, PTH120
 """The prefix of the paths of files in `conf`: its folder, with a separator at the end."""
 
@@ -39,21 +41,21 @@ _CONF_PREFIX = os.path.join(os.path.dirname(linkwright.conf.__file__), "")  # no
 class Observations:
     """The questions of a build with their answers."""
 
-    lasts: bool
+    is_repeatable: bool
     """Whether the same answers lead to the same build. They do not if a file changed meanwhile, or if a value
     depends on the moment, such as `${now:%H}`."""
 
     def __init__(self, salt: str, environ: Mapping[str, str] = os.environ) -> None:
         """Asks the questions of every build. `salt` becomes part of the digests of variables."""
-        self.lasts = True
+        self.is_repeatable = True
         self._salt = salt
         self._environ = environ
         self._answers: dict[tuple[str, str], str] = {}
         for name in VARIABLE_NAMES:
             self.ask("variable", name)
         for prefix in VARIABLE_PREFIXES:
-            self.ask("variables", prefix)
-        for question in ("text", "mode"):
+            self.ask("variables with prefix", prefix)
+        for question in ("content", "mode"):
             self.ask(question, DOTENV)
 
     @property
@@ -72,7 +74,7 @@ class Observations:
         if subject.startswith(_CONF_PREFIX) and ".." not in subject:
             return
         if self._answers.setdefault((question, subject), answer) != answer:
-            self.lasts = False
+            self.is_repeatable = False
 
 
 _CURRENT: ContextVar[Observations | None] = ContextVar("observations", default=None)
@@ -111,7 +113,7 @@ def is_folder(path: Path) -> bool:
 
 def real_path(path: Path) -> Path:
     """Returns the absolute path, with all symbolic links resolved."""
-    return Path(_ask("real", path))
+    return Path(_ask("real path", path))
 
 
 def yaml_files(folder: Path) -> list[str]:
@@ -122,7 +124,7 @@ def yaml_files(folder: Path) -> list[str]:
 
 def yaml_files_below(folder: Path) -> list[str]:
     """Returns the paths of the YAML files in a folder and below it, relative to it, sorted."""
-    paths: list[str] = json.loads(_ask("YAML below", folder))
+    paths: list[str] = json.loads(_ask("YAML files below", folder))
     return paths
 
 
@@ -134,13 +136,13 @@ def folders_with_yaml(folder: Path) -> list[str]:
 
 def has_yaml_in_subfolders(folder: Path) -> bool:
     """Tells whether any folder in this folder has a YAML file, at any depth."""
-    return _ask("holds YAML", folder) == "yes"
+    return _ask("YAML in subfolders", folder) == "yes"
 
 
 def record_content(path: Path, content: bytes) -> None:
     """Records the content of a file that was read."""
     if observations := _CURRENT.get():
-        observations.record("text", str(path), hashlib.sha256(content).hexdigest())
+        observations.record("content", str(path), hashlib.sha256(content).hexdigest())
 
 
 def record_variable(name: str) -> None:
@@ -152,7 +154,7 @@ def record_variable(name: str) -> None:
 def record_momentary_value() -> None:
     """Records the use of a value that may differ at another moment or on another machine."""
     if observations := _CURRENT.get():
-        observations.lasts = False
+        observations.is_repeatable = False
 
 
 def _ask(question: str, path: Path) -> str:
@@ -169,7 +171,7 @@ def current_answer(
     """Returns the current answer to a question. Raises KeyError for an unknown question."""
     if question == "variable":
         return _salted_digest(environ.get(subject), salt)
-    if question == "variables":
+    if question == "variables with prefix":
         values = {name: value for name, value in environ.items() if name.startswith(subject)}
         return _salted_digest(json.dumps(sorted(values.items())), salt)
     return _PATH_QUESTIONS[question](subject)
@@ -197,7 +199,7 @@ def _mode(path: str) -> str:
         return ""
 
 
-def _text_digest(path: str) -> str:
+def _content_digest(path: str) -> str:
     """Returns the digest of a file's content; "" if it cannot be read."""
     try:
         return regular_files.digest(Path(path), MAX_BYTES)
@@ -206,20 +208,24 @@ def _text_digest(path: str) -> str:
 
 
 def _yaml_files(folder: str) -> str:
+    """Returns the answer to `yaml_files`, as a list in JSON."""
     return json.dumps(sorted(_yaml_names(folder)))
 
 
 def _yaml_files_below(folder: str) -> str:
+    """Returns the answer to `yaml_files_below`, as a list in JSON."""
     files = (os.path.join(top, name) for top, _, names in os.walk(folder) for name in names)  # noqa: PTH118
     return json.dumps(sorted(os.path.relpath(file, folder) for file in files if _is_yaml(file)))
 
 
 def _folders_with_yaml(folder: str) -> str:
+    """Returns the answer to `folders_with_yaml`, as a list in JSON."""
     subfolders = (entry for entry in _entries(folder) if entry.is_dir())
     return json.dumps(sorted(entry.name for entry in subfolders if _yaml_names(entry.path)))
 
 
 def _has_yaml_in_subfolders(folder: str) -> str:
+    """Returns the answer to `has_yaml_in_subfolders`: "yes" or ""."""
     for entry in _entries(folder):
         if entry.is_dir() and any(_is_yaml(name) for _, _, names in os.walk(entry.path) for name in names):
             return "yes"
@@ -246,11 +252,11 @@ def _is_yaml(name: str) -> bool:
 _PATH_QUESTIONS: Mapping[str, Callable[[str], str]] = {
     "kind": _kind,
     "mode": _mode,
-    "real": os.path.realpath,
-    "text": _text_digest,
+    "real path": os.path.realpath,
+    "content": _content_digest,
     "YAML files": _yaml_files,
-    "YAML below": _yaml_files_below,
+    "YAML files below": _yaml_files_below,
     "folders with YAML": _folders_with_yaml,
-    "holds YAML": _has_yaml_in_subfolders,
+    "YAML in subfolders": _has_yaml_in_subfolders,
 }
 """Question about a path → the function that answers it."""

@@ -27,7 +27,7 @@ from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, folder_pr
 from linkwright.pipeline.config.hydra.errors import composition_problem
 from linkwright.pipeline.config.hydra.files import guarded_reading
 from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, set_aside, speed_up, use_loader
-from linkwright.pipeline.config.hydra.node import HydraNode, quote_text, search_path_override
+from linkwright.pipeline.config.hydra.node import HydraSettings, JobLabel, quote_text, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import with_example
 from linkwright.pipeline.config.optional import add_optional
@@ -128,7 +128,7 @@ class Composer:
         self._environ = environ
         self._secrets = Secrets(environ, cwd)
         self.reading = Reading(presets)
-        self._node = HydraNode(presets)
+        self._hydra = HydraSettings(presets)
         self.addresses: set[str] = set()
         """The addresses of assemblies that the user gave, not a file."""
         self._typed = ["linkwright"]
@@ -146,7 +146,7 @@ class Composer:
         problems += leaks
         problems += [problem for override in overrides if (problem := hydra_problem(override, multirun))]
         overrides = [override for override in overrides if not hydra_problem(override, multirun)]
-        problems += self._node.store_overrides(overrides, self._typed)
+        problems += self._hydra.store_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
@@ -163,7 +163,7 @@ class Composer:
         return f"{sign}robot={','.join(texts)}"
 
     def compose(
-        self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
+        self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: JobLabel | None = None
     ) -> Composed:
         """Returns the plan of overrides in Hydra's form; `job`: number and label of a sweep's job.
         The sample is built if neither the command line nor a defaults list chooses a robot or a source.
@@ -197,17 +197,17 @@ class Composer:
         resolved = resolve_choices(tree, self._presets.choices(robot, valid, tree_files))
         interpolated.convert_texts(resolved, computed)
         add_optional(resolved, self._presets.shared(tree_files))
-        sweeping = self._node.sweep_settings(config, draft, resolved.get("name"), job)
+        sweeping = self._hydra.sweep_settings(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
         files, command = self._presets.own_files(tree_files), pasted.line(self._typed)
-        draft.problems += trust.forbidden_targets(resolved, command)
+        draft.problems += trust.forbidden_target_problems(resolved, command)
         places = {problem.where for problem in draft.problems}
-        overridden = trust.overridden_groups(map(content, files))
+        overridden = trust.overridden_group_problems(map(content, files))
         draft.problems += [problem for problem in overridden if problem.where not in places]
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += hosts.host_problems(resolved, self.addresses, self._environ)
-        typed = self._node.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(valid, _COMMAND_LINE_KEYS)
+        typed = self._hydra.typed_keys([SWEEP_DIR]) | self.reading.typed_keys(valid, _COMMAND_LINE_KEYS)
         distrusted = trust.trust_problems(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
@@ -233,7 +233,7 @@ class Composer:
         stand_ins: dict[str, str] = {}
         own_folders = search_path_override(self._presets.own)
         while True:
-            arguments = [*overrides, *stand_ins.values(), *self._node.typed_overrides, *own_folders]
+            arguments = [*overrides, *stand_ins.values(), *self._hydra.typed_overrides, *own_folders]
             try:
                 config, files = composed(arguments)
             except Exception as error:
@@ -247,7 +247,7 @@ class Composer:
             else:
                 self._arguments = arguments
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(arguments):
-                    draft.add(trust.forbidden_key("overrides"))
+                    draft.add(trust.forbidden_key_problem("overrides"))
                 return config, files
 
     def _compose_rest(self, overrides: Sequence[str], draft: Draft) -> tuple[DictConfig, Mapping[str, Any]]:
@@ -276,7 +276,7 @@ class Composer:
         # An interpolation may name a key that is swept.
         first_jobs = [override.first for override in own]
         composition = self._compose(valid, draft) or self._compose(first_jobs, draft)
-        settings = self._node.sweep_settings(composition[0], draft) if composition else trust.SweepSettings()
+        settings = self._hydra.sweep_settings(composition[0], draft) if composition else trust.SweepSettings()
         typed_keys = {override.key for override in overrides}
         added = [override for override in self._params(settings.params)[0] if override.key not in typed_keys]
         return SweepRequest([*added, *overrides], list(problems), composition and composition[0], settings)
@@ -290,7 +290,7 @@ class Composer:
             place = f"sweeper.params.{key}"
             keys = self.reading.typed_keys((override.hydra for override in swept), _COMMAND_LINE_KEYS)
             if keys or any(override.for_hydra_itself for override in swept):
-                problems.append(trust.forbidden_key(place, values))
+                problems.append(trust.forbidden_key_problem(place, values))
             else:
                 added += swept
             problems += [replace(problem, where=f"hydra.{place}") for problem in wrong]
@@ -307,7 +307,7 @@ class Composer:
 
     def hydra_config(self, launcher: str, sweeper: str = "") -> DictConfig:
         """Composes Hydra's configuration from the command line alone; a sweep runs under it."""
-        return self._node.trusted_config(launcher, sweeper)
+        return self._hydra.trusted_config(launcher, sweeper)
 
 
 def lacks_a_robot(config: DictConfig) -> bool:

@@ -16,7 +16,7 @@ from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.show.preview import require as require_preview_library
 from linkwright.pipeline.stages.stage import STAGES, Stage, stages_until
 from linkwright.stages.export.section import expected_paths
-from linkwright.stages.fetch import remote, writes
+from linkwright.stages.fetch import changes_document, is_remote
 from linkwright.stages.show.graph_view.views import PICTURE
 from linkwright.stages.show.preview import names as preview_names
 
@@ -51,8 +51,8 @@ def destination(
     output = Output(plan.folder, report, overwrite=plan.overwrite)
     # Only sources that are files have a path.
     source_path = getattr(plan.source, "path", None)
-    taken = {"the source": Path(source_path)} if source_path else {}
-    require_free(output.target, taken, actions.folder(plan.cache.dir, environ))
+    paths_in_use = {"the source": Path(source_path)} if source_path else {}
+    require_free(output.target, paths_in_use, actions.folder(plan.cache.dir, environ))
     output.judge(suffix_of(plan), expected_files(plan))
     return output
 
@@ -77,15 +77,15 @@ def _engine_files(plan: Plan) -> list[str]:
     return [ENGINE_FILE] if plan.page.live == "shared" else []
 
 
-def sweep_problems(plan: Plan) -> list[Diagnostic]:
+def job_problems(plan: Plan) -> list[Diagnostic]:
     """Returns the problems of a job of a sweep: those of a build, and conflicts between jobs."""
     return [*plan_problems(plan), *_sweep_only_problems(plan)]
 
 
-def offline_problems(plan: Plan) -> list[Diagnostic]:
+def offline_job_problems(plan: Plan) -> list[Diagnostic]:
     """Returns the problems of a job of a sweep that asks no server, and so needs no API key."""
-    if not remote(plan):
-        return sweep_problems(plan)
+    if not is_remote(plan):
+        return job_problems(plan)
     offline_source = plan.source.model_copy(update={"offline": True, "refresh": False})
     return [*plan_problems(plan.model_copy(update={"source": offline_source})), *_sweep_only_problems(plan)]
 
@@ -93,11 +93,11 @@ def offline_problems(plan: Plan) -> list[Diagnostic]:
 def _sweep_only_problems(plan: Plan) -> list[Diagnostic]:
     """Returns the problems of a plan that only a sweep has."""
     problems = []
-    if writes(plan):
+    if changes_document(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"
         hint = "sweep source.configuration, or build one robot at a time"
         problems.append(Diagnostic("E-VALUE", text, "source.variables", hint))
-    if remote(plan) and plan.cache.mode == "bypass":
+    if is_remote(plan) and plan.cache.mode == "bypass":
         text = "a sweep needs the cache: it fetches the source once, and its jobs build from the cache"
         hint = "leave it out; cache.dir=FOLDER names another cache"
         problems.append(Diagnostic("E-VALUE", text, "cache.mode", hint))

@@ -94,7 +94,7 @@ def action_of(command: Command) -> Action:
 def remember(action: Action, command: Command, observations: Observations, built: "BuildResult") -> None:
     """Keeps a record of a build that ended, if the same answers lead to the same build."""
     run = built.run
-    if not observations.lasts or not _is_known_by_its_answers(built, _cache_folder(command)):
+    if not observations.is_repeatable or not _is_known_by_its_answers(built, _cache_folder(command)):
         return
     record = _record_of(built, observations.answers)
     outputs = {

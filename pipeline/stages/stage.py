@@ -31,7 +31,7 @@ from linkwright.stages.export.requirements import packages, require
 from linkwright.stages.export.section import ExportSections
 from linkwright.stages.export.usd.date import with_date
 from linkwright.stages.export.writers import WRITERS
-from linkwright.stages.fetch import ahead, fetch, force, pinned, preflight, spends, summary, writes
+from linkwright.stages.fetch import ahead, changes_document, fetch, force, pinned, preflight, spends, summary
 from linkwright.stages.fetch.source import Calls, CallsAhead, FetchContext
 from linkwright.stages.graph import build_robot
 from linkwright.stages.graph.section import GraphSections
@@ -54,7 +54,7 @@ class FetchStage(StageBase):
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         preflight(plan, environ)
-        if writes(plan) and plan.cache.mode == "bypass":
+        if changes_document(plan) and plan.cache.mode == "bypass":
             msg = "variables cannot be set without the cache, which stores their original values"
             raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 

@@ -13,7 +13,7 @@ from linkwright.pipeline.json_documents.jobs import jobs_document, sweep_documen
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import output_errors
 from linkwright.pipeline.report import Report
-from linkwright.pipeline.run.preflight import offline_problems, sweep_problems
+from linkwright.pipeline.run.preflight import job_problems, offline_job_problems
 from linkwright.pipeline.sweep import job_list
 from linkwright.pipeline.sweep.fetching import Fetching, fetch_sources
 from linkwright.pipeline.sweep.folder import prepare, write_summaries
@@ -33,11 +33,11 @@ from linkwright.stages.robot.text.plural import count
 def run_sweep(command: Command, build: Callable[[Plan], Report] | None) -> int | CommandDocument:
     """Builds each robot of the sweep; returns the exit status, or with `--json` a document. `build`: replaces
     the real build; None for the real build, for which the sources are fetched first."""
-    with session(command.config_dirs, judge=sweep_problems) as composer:
+    with session(command.config_dirs, judge=job_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
         if request.sweeping.sweeper != BASIC_OPTION:
             return run_search(command, composer, request, build)
-        composed_sweep = compose_sweep(composer, request, sweep_problems)
+        composed_sweep = compose_sweep(composer, request, job_problems)
         require_free_folders(composed_sweep.jobs)
         settings = composed_sweep.sweeping
         config = launcher_config(composer.hydra_config(settings.launcher), settings)
@@ -82,7 +82,7 @@ def write_plan(command: Command) -> int | CommandDocument:
     """Writes the list of the jobs of a sweep, and builds nothing; returns the exit status, or with `--json` a
     document."""
     path = Path(command.plan)
-    find_problems = offline_problems if command.offline else sweep_problems
+    find_problems = offline_job_problems if command.offline else job_problems
     with session(command.config_dirs, judge=find_problems) as composer:
         request = composer.with_params(*composer.read(command.overrides, multirun=True))
         if request.sweeping.sweeper != BASIC_OPTION:

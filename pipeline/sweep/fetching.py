@@ -19,7 +19,7 @@ from linkwright.pipeline.stages.context import NOTES, BuildContext
 from linkwright.pipeline.stages.prefetched import Prefetched, source_identity
 from linkwright.pipeline.stages.stage import FetchStage, perform
 from linkwright.pipeline.sweep.run import print_line
-from linkwright.stages.fetch import remote
+from linkwright.stages.fetch import is_remote
 from linkwright.stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from linkwright.stages.fetch.onshape.call_budget import allow
 from linkwright.stages.fetch.onshape.section import OnshapeSourceSection
@@ -82,7 +82,7 @@ def groups_of(jobs: Sequence["Job"]) -> list[JobGroup]:
     """Returns the groups of the jobs whose source is on a server."""
     groups: dict[bytes, JobGroup] = {}
     for job in jobs:
-        if remote(job.plan):
+        if is_remote(job.plan):
             cache = job.plan.cache
             key = actions.canonical([source_identity(job.plan), cache.mode, cache.dir, job.pin])
             groups.setdefault(key, JobGroup(job.plan, job.pin)).numbers.append(job.number)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.compose import session
+from linkwright.pipeline.config.hydra.node import JobLabel
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError, refusal
@@ -27,7 +28,7 @@ from linkwright.pipeline.sweep.job_list import Digests, JobList, ListedJob
 from linkwright.pipeline.sweep.outcome import Outcome, missing_outcome
 from linkwright.pipeline.sweep.outcome_files import read_outcome
 from linkwright.pipeline.sweep.run import Job, Sweep, Task, expanded, usual_folder
-from linkwright.stages.fetch import remote
+from linkwright.stages.fetch import is_remote
 
 _CONFIG, _REPORT = "config.yaml", "report.json"
 
@@ -72,14 +73,14 @@ def compose_jobs(jobs: JobList, chosen: Sequence[ListedJob]) -> list[Job]:
         for job in chosen:
             if labels[job.number : job.number + 1] != [job.label]:
                 raise _stale(job)
-            composed_job = composer.compose(all_overrides[job.number], job=(job.number, job.label))
+            composed_job = composer.compose(all_overrides[job.number], job=JobLabel(job.number, job.label))
             plan = composed_job.plan.model_copy(update={"output": job.folder})
             # A subdir of the command may contain the time, which has changed.
             usual_path = Path(jobs.folder) / usual_folder(job.label, all_overrides[job.number])
             is_placed = bool(composed_job.sweeping.subdir) or Path(job.folder) == usual_path
             if not is_placed or suffix_of(plan) != job.suffix or digests.of(plan.tree()) != job.digest:
                 raise _stale(job)
-            first = Prefetched(source_identity(plan), job.pin) if remote(plan) else None
+            first = Prefetched(source_identity(plan), job.pin) if is_remote(plan) else None
             composed_jobs.append(Job(job.number, job.label, plan, job.overrides, job.pin, first))
     return composed_jobs
 

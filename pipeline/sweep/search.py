@@ -21,7 +21,7 @@ from linkwright.pipeline.json_documents.jobs import sweep_document
 from linkwright.pipeline.options import Command
 from linkwright.pipeline.output.folder import output_errors
 from linkwright.pipeline.report import Report
-from linkwright.pipeline.run.preflight import sweep_problems
+from linkwright.pipeline.run.preflight import job_problems
 from linkwright.pipeline.sweep.fetching import fetch_sources
 from linkwright.pipeline.sweep.folder import mark, record, write_summaries
 from linkwright.pipeline.sweep.job_launcher import launch_jobs
@@ -53,7 +53,7 @@ def run_search(
     """Runs a search; returns the exit status, which is that of the best job, or with `--json` a document.
     Raises ConfigError for an invalid space, and without an objective."""
     _require_distinct(request)
-    first = compose_sweep(composer, request, sweep_problems, corners(request))
+    first = compose_sweep(composer, request, job_problems, corners(request))
     config = launcher_config(
         composer.hydra_config(request.sweeping.launcher, request.sweeping.sweeper), request.sweeping
     )
@@ -238,7 +238,7 @@ class Trials:
         pairs = (override.partition("=") for override in trial)
         overrides = [f"{self._signs[key].partition('=')[0]}={value}" for key, _, value in pairs]
         overrides = [*self._fixed, *overrides]
-        sweep = compose_sweep(self._composer, self._request, sweep_problems, [overrides], number)
+        sweep = compose_sweep(self._composer, self._request, job_problems, [overrides], number)
         (job,) = sweep.jobs
         folder = self.root / job.plan.folder.relative_to(sweep.root)
         return replace(job, plan=job.plan.model_copy(update={"output": str(folder)}))

@@ -54,7 +54,7 @@ def ahead(keys: FetchSections, context: FetchContext) -> CallsAhead:
     return source_of(keys).ahead(context)
 
 
-def remote(keys: FetchSections) -> bool:
+def is_remote(keys: FetchSections) -> bool:
     """Tells whether the source is fetched from a server."""
     return source_class(keys.source.kind).remote
 
@@ -75,7 +75,7 @@ def spends(keys: FetchSections) -> bool:
     return source_of(keys).spends
 
 
-def writes(keys: FetchSections) -> bool:
+def changes_document(keys: FetchSections) -> bool:
     """Tells whether a build changes the user's document, if only for a moment."""
     return source_of(keys).writes
 

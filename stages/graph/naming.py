@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 Key = TypeVar("Key", bound=Hashable)
 FrameKey = TypeVar("FrameKey", bound=Hashable)
@@ -66,7 +66,7 @@ class Namer:
         for key, name in names_to_change:
             shown = "".join(letter if letter.isprintable() else "_" for letter in name)
             base_name = f"{shown}_{kind}" if shown in RESERVED.get(kind, ()) else shown
-            names[key] = free(base_name, taken_names)
+            names[key] = free_name(base_name, taken_names)
             taken_names.add(names[key])
             self._changed.append((kind, name, names[key]))
         self._all_names.update(names.values())
@@ -75,7 +75,7 @@ class Namer:
     def make(self, kind: str, proposal: str) -> str:
         """Returns a name for something unnamed in the source: `proposal`, with a number if another thing has
         it."""
-        name = free(proposal, self._all_names)
+        name = free_name(proposal, self._all_names)
         self._all_names.add(name)
         self._taken.setdefault(kind, set()).add(name)
         return name

@@ -33,7 +33,7 @@ from linkwright.stages.robot.model.robot import (
 )
 from linkwright.stages.robot.motion.tree_paths import paths_up
 from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 SOLREF = (0.005, 1.0)
 """MuJoCo's solref of a loop without its own: time constant [s] and damping ratio."""
@@ -110,7 +110,7 @@ def _replacement_joint(
     """Returns the fixed or free joint of a link that no connection joins to the root."""
     body = mechanism.bodies[edge.child]
     child = body.name
-    name = (edge.replacement == "free" and body.floating_joint) or free(
+    name = (edge.replacement == "free" and body.floating_joint) or free_name(
         f"{child}_{edge.replacement}", taken_names
     )
     taken_names.add(name)

@@ -35,14 +35,14 @@ class MeshSection(Section):
 
     collider: ColliderName = "ladder"
     """Collision geometry. ladder: for each link a primitive, its convex hull, or the fewest convex pieces
-    with which it touches other links only where the links themselves touch; the colliders of links that meet
+    with which it touches other links only where the links themselves touch; hull: the convex hull of each
+    link; coacd: at most 16 convex pieces for each part; primitives: for each part the box, sphere, capsule or
+    cylinder that fits it best, however badly it fits; raw: the mesh of each part as it is (MuJoCo and most
+    other engines take its convex hull); spheres: at most 64 spheres for each part, fewer where they meet
+    mesh.tolerance; visual: no colliders, the links touch nothing. The ladder's colliders of links that meet
     the world also follow their surface (mesh.fine). With mesh.tolerance, or for a part that mesh.colliders
-    names, each part gets the cheapest collider within the tolerance: a primitive, its hull, or at most 16
-    convex pieces; hull: the convex hull of each link; coacd: at most 16 convex pieces for each part;
-    primitives: for each part the box, sphere, capsule or cylinder that fits it best, however badly it fits;
-    raw: the mesh of each part as it is (MuJoCo and most other engines take its convex hull); spheres: at most
-    64 spheres for each part, fewer where they meet mesh.tolerance; visual: no colliders, the links touch
-    nothing."""
+    names, the ladder gives each part the cheapest collider within the tolerance: a primitive, its hull, or at
+    most 16 convex pieces."""
 
     colliders: Annotated[
         dict[Text, ColliderChoice],
@@ -59,9 +59,10 @@ class MeshSection(Section):
     box, at least 0.001."""
 
     fine: Annotated[Literal["auto", "all"] | tuple[Text, ...], example(["*finger*", "palm"])] = "auto"
-    """Links whose colliders by contact also follow their surface to 1.5 % of their diagonal, at least 0.001,
-    with at most 12 pieces. auto: links that meet the world: the ends of chains, the jaws beside which these
-    move, and links with a frame whose name says so (foot, tool, grasp ...); all; or globs on links."""
+    """Links whose colliders by the ladder also follow the surface, to within 1.5 % of the link's diagonal or
+    1 mm, whichever is larger, with at most 12 pieces. auto: links that meet the world: the ends of chains,
+    the jaws beside which these move, and links with a frame whose name says so (foot, tool, grasp ...); all;
+    or globs on links."""
 
     extra_volume: NonNegative = 0.15
     """Largest volume that a single primitive or hull may add to a part, as a share of the volume of the part
@@ -72,7 +73,7 @@ class MeshSection(Section):
 
     min_size: Annotated[NonNegativeLength | None, example(0.005)] = None
     """Parts with a smaller diagonal [m] have no collider, unless mesh.colliders names them or the link has
-    no other part; null: the tolerance of the whole link, 1.5 % of its diagonal and at least 0.001."""
+    no other part; null: 1.5 % of the diagonal of the whole link, at least 0.001."""
 
     effort: Literal["low", "normal", "high"] = "normal"
     """Effort of cutting parts into pieces: how many planes are tried for each cut, and how long CoACD
@@ -114,10 +115,10 @@ class ContactSection(Section):
     """Pairs of globs on link names: links that do not collide with each other."""
 
     self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "auto"
-    """Contact of the robot with itself. auto: links collide with each other, except neighbours, and except
-    those colliders of two links that touch in every pose; none: links do not collide with each other; all:
-    they do, except the pairs of `exclude`, and except the two links of a joint, which MuJoCo excludes by
-    itself unless one of them is fixed to the world. All links collide with the ground and other objects."""
+    """Contact of the robot with itself. auto: all links collide, except neighbours, and except colliders of
+    two links that touch in every pose; none: links do not collide with each other; all: they do, except the
+    pairs of `exclude`, and except the two links of a joint, which MuJoCo excludes by itself unless one of
+    them is fixed to the world. All links collide with the ground and other objects."""
 
 
 class IgnoreSection(Section):

@@ -28,5 +28,5 @@ def test_no_checker_finds_an_error(name, tmp_path):
     )
     (report,) = tmp_path.glob("out*/report.json")
     external = [check for check in json.loads(report.read_text())["checks"] if check["code"] == "C-EXTERNAL"]
-    assert len(external) == sum(len(USES[tool.name].files) for tool in present)
+    assert len(external) == sum(len(USES[tool.name].endings) for tool in present)
     assert [entry["detail"] for entry in external if entry["value"] != 0.0] == []

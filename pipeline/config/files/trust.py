@@ -33,10 +33,11 @@ TARGET_KEY = "_target_"
 _USER_CHECKS_PLACE, _OBJECTIVE_PLACE = ("validate", "checks"), ("objective",)
 """Places of the user's checks and of the objective, which may name code in the modules of `plugins`."""
 
-_ALLOWED_KEYS = (
+_ALLOWED_KEYS_HINT = (
     "below hydra a file may set only sweeper.params, a search's n_trials, direction and sampler.seed, "
     "sweep.dir, sweep.subdir, and a launcher's numbers, partition, account, qos and time"
 )
+"""What a file may set below `hydra`, for hints."""
 
 LAUNCHER, SWEEPER = "launcher", "sweeper"
 """The keys of the launcher and of the sweeper, below `hydra`."""
@@ -66,8 +67,8 @@ _CLOSED_LAUNCHER_SECTIONS = ("init", "additional_parameters")
 """Sections of a launcher in which a file may set nothing: they name hosts (Ray) or options of another program
 (Slurm)."""
 
-_KEYS_SET_BY_HYDRA = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
-"""Keys that Hydra itself sets while it composes."""
+_PREFIXES_SET_BY_HYDRA = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
+"""Beginnings of keys, below `hydra`, that Hydra itself sets while it composes."""
 
 _ABSENT = object()
 """The trusted value of a key that the command line's tree does not have."""
@@ -109,7 +110,7 @@ def compare_hydra_nodes(
     problems: dict[str, Diagnostic] = {}
     for place, composed_value, trusted_value in _differences(composed_node, trusted_node, ()):
         key = key_of(place)
-        if key.startswith(_KEYS_SET_BY_HYDRA):
+        if key.startswith(_PREFIXES_SET_BY_HYDRA):
             continue
         # Folders are resolved later, for each job; other settings are refused as they are.
         in_launcher_or_sweeper = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
@@ -120,7 +121,7 @@ def compare_hydra_nodes(
             # All changes within a section make a single problem.
             section = key_of(place[: 2 if place[0] in (LAUNCHER, SWEEPER, "job") else 1])
             hint = _launcher_hint(place, value, trusted_value, command)
-            problems.setdefault(section, forbidden_key(section, value, hint))
+            problems.setdefault(section, forbidden_key_problem(section, value, hint))
     return settings, list(problems.values())
 
 
@@ -182,14 +183,14 @@ def _launcher_hint(place: Place, value: Any, trusted_value: Any, command: Sequen
     return f"if you trust it: {pasted.line(command)} {override_text(f'hydra.{key_of(place)}', value)}"
 
 
-def forbidden_key(key: str, value: Any = None, hint: str = "") -> Diagnostic:
+def forbidden_key_problem(key: str, value: Any = None, hint: str = "") -> Diagnostic:
     """Returns the problem with a key of `hydra` that a file must not set."""
     suffix = "" if value is None else f" (given {shown(value)})"
-    hint = hint or f"remove it: {_ALLOWED_KEYS}"
+    hint = hint or f"remove it: {_ALLOWED_KEYS_HINT}"
     return Diagnostic(TRUST_CODE, f"a file must not set this key{suffix}", f"hydra.{key}", hint)
 
 
-def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
+def overridden_group_problems(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
     """Yields a problem for each group of Hydra that the defaults list of a file overrides, even if the
     override has no effect. The launcher and the sweeper are allowed."""
     for content in contents:
@@ -201,10 +202,10 @@ def overridden_groups(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnos
             name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
             group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
             if group.startswith("hydra/") and group not in (f"hydra/{LAUNCHER}", f"hydra/{SWEEPER}"):
-                yield forbidden_key(group.partition("/")[2])
+                yield forbidden_key_problem(group.partition("/")[2])
 
 
-def forbidden_targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
+def forbidden_target_problems(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
     """Yields a problem for each forbidden `_target_` in a tree, which names code to run.
 
     The user's own checks and the objective may name code in the modules of the tree's `plugins`. `place`: the
@@ -216,7 +217,7 @@ def forbidden_targets(tree: Any, command: str = "", place: Place = ()) -> Iterat
 
 
 def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
-    """Yields the problems of `forbidden_targets`; `plugins`: the names of the trusted modules."""
+    """Yields the problems of `forbidden_target_problems`; `plugins`: the names of the trusted modules."""
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
@@ -229,9 +230,8 @@ def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: P
             yield from _forbidden_targets(value, plugins, command, inner)
         elif not _may_name_code(place):
             text = f"a configuration must not name code (given {shown(value)})"
-            yield Diagnostic(
-                TRUST_CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code"
-            )
+            hint = "remove it: a robot's file is data and runs no code"
+            yield Diagnostic(TRUST_CODE, text, key_of(inner), hint)
         elif isinstance(value, str) and not is_in_modules(value, plugins):
             text = f"this names code in a module that is not trusted (given {shown(value)})"
             module = override_text("plugins", [value.partition(".")[0]])
@@ -260,8 +260,8 @@ def trust_problems(
     `typed_keys`: the keys that the command line sets; `files`: the user's own files in the composition;
     `command`: the typed command, with which hints begin.
     """
-    settings = {key: _value_at(tree, key, safe_value) for key, safe_value in SAFE_VALUES.items()}
-    unsafe_keys = [key for key, value in settings.items() if value != SAFE_VALUES[key]]
+    values = {key: _value_at(tree, key, safe_value) for key, safe_value in SAFE_VALUES.items()}
+    unsafe_keys = [key for key, value in values.items() if value != SAFE_VALUES[key]]
     untrusted_keys = [key for key in unsafe_keys if key not in set(typed_keys)]
     if not untrusted_keys or are_trusted(files, environ):
         return []
@@ -269,9 +269,9 @@ def trust_problems(
         Diagnostic(
             TRUST_CODE,
             "this key must be set on the command line, since a file cannot trust itself "
-            f"(given {shown(settings[key])})",
+            f"(given {shown(values[key])})",
             key,
-            f"if you trust it: {command} {override_text(key, settings[key])}",
+            f"if you trust it: {command} {override_text(key, values[key])}",
         )
         for key in untrusted_keys
     ]

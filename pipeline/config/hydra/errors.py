@@ -10,7 +10,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from linkwright.pipeline.config.files import yaml_file
 from linkwright.pipeline.config.files.reach import OutsideError, outside_problem
-from linkwright.pipeline.config.files.trust import forbidden_key
+from linkwright.pipeline.config.files.trust import forbidden_key_problem
 from linkwright.pipeline.config.files.yaml_file import RefusedError
 from linkwright.pipeline.config.hydra.words import COMPOSITION_RULES, translate
 from linkwright.pipeline.config.messages import GLOBAL
@@ -95,7 +95,7 @@ def _depth_problem(error: Any, presets: Presets) -> Diagnostic:
 
 def _other_problem(error: Any, presets: Presets) -> Diagnostic:
     if "hydra.searchpath" in str(error):
-        return forbidden_key("searchpath")
+        return forbidden_key_problem("searchpath")
     if "@robot." in str(error):
         return Diagnostic("E-KEY", "its defaults list chooses options below `robot`", "robot", _HEADER_HINT)
     causes = [str(cause) for cause in (error, error.__cause__) if cause is not None]

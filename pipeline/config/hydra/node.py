@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
@@ -30,16 +30,31 @@ RAY = "ray"
 """The launcher of Ray, an option that Linkwright ships."""
 
 
-class HydraNode:
-    """Hydra's own configuration, which is the node `hydra` of each tree that a session composes."""
+class HydraOptions(NamedTuple):
+    """The options of hydra/launcher and hydra/sweeper; "" for the default."""
+
+    launcher: str = ""
+    sweeper: str = ""
+
+
+class JobLabel(NamedTuple):
+    """The number of a job of a sweep, and its label: its overrides, separated by spaces."""
+
+    number: int
+    label: str
+
+
+class HydraSettings:
+    """Hydra's own configuration, which is the node `hydra` of each tree that a session composes: what the
+    command line sets in it, and what files set and may set."""
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._command: list[str] = []
-        self._trusted_configs: dict[tuple[str, str], DictConfig] = {}
-        """(launcher, sweeper) → the configuration that the command line alone composes."""
-        self._trusted_nodes: dict[tuple[str, str], dict[str, Any]] = {}
-        """(launcher, sweeper) → the node `hydra` of that configuration, with its interpolations."""
+        self._trusted_configs: dict[HydraOptions, DictConfig] = {}
+        """Options → the configuration that the command line alone composes."""
+        self._trusted_nodes: dict[HydraOptions, dict[str, Any]] = {}
+        """Options → the node `hydra` of that configuration, with its interpolations."""
         self.typed_overrides: list[str] = []
         """The overrides of Hydra's own keys on the command line."""
 
@@ -77,41 +92,49 @@ class HydraNode:
         Sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper, "" for the
         default. The user's own options are found only in folders that `--config-dir` names.
         """
-        if (launcher, sweeper) not in self._trusted_configs:
+        chosen_options = HydraOptions(launcher, sweeper)
+        if chosen_options not in self._trusted_configs:
             option_by_group = {LAUNCHERS: launcher, SWEEPERS: sweeper}
             options = [f"{group}={option}" for group, option in option_by_group.items() if option]
             arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.config_folders)]
-            self._trusted_configs[launcher, sweeper], _ = composed(arguments)
-        return self._trusted_configs[launcher, sweeper]
+            self._trusted_configs[chosen_options], _ = composed(arguments)
+        return self._trusted_configs[chosen_options]
 
     def sweep_settings(
-        self, config: DictConfig, draft: Draft, name: Any = None, job: tuple[int, str] | None = None
+        self, config: DictConfig, draft: Draft, name: Any = None, job: JobLabel | None = None
     ) -> SweepSettings:
         """Returns the sweep settings, and adds a problem for each key of Hydra that a file must not set.
 
-        `name`: the robot's name; `job`: the number and the label of the job whose folders are returned.
-        Without a job, the settings have no folders.
+        `name`: the robot's name; `job`: the job whose folders are returned. Without a job, the settings have
+        no folders.
         """
         launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (LAUNCHERS, SWEEPERS))
         # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
         if launcher == RAY and find_spec("hydra_plugins.hydra_ray_launcher") is None:
             draft.add(plug_in_problem(RAY))
-        file_settings = self._file_settings(config, (launcher, sweeper), draft) if self._presets.own else {}
+        file_settings = (
+            self._file_settings(config, HydraOptions(launcher, sweeper), draft) if self._presets.own else {}
+        )
         folder_keys = [
             key for key in FOLDER_KEYS if key in file_settings or self.typed_keys([f"hydra.{key}"])
         ]
-        folders = _resolved_folders(config, folder_keys, name, job, draft) if job is not None else {}
+        folders: dict[str, str] = {}
+        if job is not None and folder_keys:
+            _set_job(config, name, job)
+            folders = {
+                key: str(value_at(config, ("hydra", *key.split(".")), draft.problems)) for key in folder_keys
+            }
         return _sweep_settings(launcher, sweeper, file_settings, folders)
 
-    def _file_settings(self, config: DictConfig, options: tuple[str, str], draft: Draft) -> dict[str, Any]:
+    def _file_settings(self, config: DictConfig, options: HydraOptions, draft: Draft) -> dict[str, Any]:
         """Returns the settings of Hydra that files set and may set, by key without `hydra.`; adds a problem
-        for each other setting. `options`: the launcher and the sweeper."""
+        for each other setting."""
         try:
             if options not in self._trusted_nodes:
                 self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
         # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
-            draft.add(self._launcher_problem(options[0]) or composition_problem(error, self._presets))
+            draft.add(self._launcher_problem(options.launcher) or composition_problem(error, self._presets))
             return {}
         # The search path of the composed tree has the user's folders, which no file has added.
         searchpath = [f"file://{folder}" for folder in self._presets.own]
@@ -162,22 +185,15 @@ def _sweep_settings(
     )
 
 
-def _resolved_folders(
-    config: DictConfig, keys: Sequence[str], name: Any, job: tuple[int, str], draft: Draft
-) -> dict[str, str]:
-    """Returns the values of these keys below `hydra` for the robot `name` and a `job` (number, label).
-    Changes `config`: sets the robot's name and the job in it."""
-    if not keys:
-        return {}
-    number, label = job
+def _set_job(config: DictConfig, name: Any, job: JobLabel) -> None:
+    """Sets the robot's name and the job in `config`, and makes it the configuration that `${hydra:...}`
+    reads, so that Hydra's folders can be resolved."""
     with open_dict(config):
         config.name = name
-        config.hydra.job.num, config.hydra.job.id = number, str(number)
+        config.hydra.job.num, config.hydra.job.id = job.number, str(job.number)
         # The label separates the job's overrides by spaces, Hydra by commas.
-        config.hydra.job.override_dirname = label.replace(" ", ",")
-    # `${hydra:...}` reads this configuration.
+        config.hydra.job.override_dirname = job.label.replace(" ", ",")
     HydraConfig.instance().set_config(config)
-    return {key: str(value_at(config, ("hydra", *key.split(".")), draft.problems)) for key in keys}
 
 
 def search_path_override(folders: Iterable[Path]) -> list[str]:

@@ -18,7 +18,7 @@ from linkwright.stages.robot.dynamics.holding_control import can_hold, holding_c
 from linkwright.stages.robot.model.actuation import SERVOS, Actuator, ActuatorType, Armature
 from linkwright.stages.robot.model.robot import Dof, Robot, Value
 from linkwright.stages.robot.motion.start_pose import HOME, keyframes
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class ActuatorMaker:
         load = self.loads.get(dof.name)
         stiff = self._stiffness(dof, load, parameters, gear)
         armature = self._armature(dof, load, stiff)
-        name = free(dof.name, self._taken)
+        name = free_name(dof.name, self._taken)
         self._taken.add(name)
         actuator = Actuator(
             name=name,

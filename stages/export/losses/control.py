@@ -24,7 +24,9 @@ def _other_keyframes(case: Case[Any]) -> list[str]:
 
 
 def _renamed_elements(case: Case[Any]) -> list[str]:
-    return [f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changes]
+    return [
+        f"the {kind} {name!r} is {new_name!r}" for kind, name, new_name in case.plan.names.changed_names()
+    ]
 
 
 def _elements_renamed_in_ros2(case: "Case[Ros2Plan]") -> Iterator[str]:
@@ -75,7 +77,7 @@ CONTROL_LOSSES = (
     ),
     Loss(
         {"sdf": "I-SDF-TORQUE"},
-        lambda case: [sensor.name for sensor in case.plan.sensors.mounted if sensor.aside],
+        lambda case: [sensor.name for sensor in case.plan.sensors.mounted if sensor.is_off_joint_origin],
         "SDF measures torques about the origin of the parent joint; these sensors are elsewhere on their "
         "links, so they give other torques than in the MJCF: {}",
         "subtract (sensor − joint) × force from the SDF's torque; forces are the same",
@@ -120,13 +122,13 @@ CONTROL_LOSSES = (
     ),
     Loss(
         {"ros2": "I-ROS2-FOLLOWER"},
-        lambda case: case.plan.control.held_back,
+        lambda case: case.plan.control.follower_joints,
         "ros2_control does not command joints that follow others, so their actuators are left out: {}",
         "command the joints that they follow",
     ),
     Loss(
         {"ros2": "I-ROS2-ACTUATOR"},
-        lambda case: [f"{joint} ({kind})" for joint, kind in case.plan.control.by_effort],
+        lambda case: [f"{joint} ({kind})" for joint, kind in case.plan.control.joints_by_effort],
         "ros2_control has no interface for these types of actuators, so the joints are commanded by effort: "
         "{}",
         "another type of `actuators`, or an interface of your own in the ros2_control file",

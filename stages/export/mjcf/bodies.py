@@ -19,7 +19,7 @@ from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.robot.model.poses import UNMOVED, inverse
 from linkwright.stages.robot.model.robot import Array, Frame, Inertial, Joint, Link, Primitive
 from linkwright.stages.robot.motion.kinematics import chain
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 PRINCIPAL_AXES_TOLERANCE = 1e-9
 """Largest entry off the diagonal with which the axes of an MJCF source count as principal axes, relative to
@@ -171,7 +171,7 @@ class BodyWriter:
         if source_name and source_name not in self.written:
             self.written.add(source_name)
             return source_name
-        name = free(source_name or generated_name, self.taken | self.written)
+        name = free_name(source_name or generated_name, self.taken | self.written)
         self.written.add(name)
         return name
 

@@ -12,7 +12,7 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.poses import UNMOVED, inverse, motion, quat_from_rotation
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot, Value
 from linkwright.stages.robot.motion.kinematics import chain
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 UNBOUNDED_END = "1e6"
 """Substitute for the missing end of a one-sided limit: MuJoCo has no one-sided range."""
@@ -109,4 +109,4 @@ def free_qpos(pose: Array) -> str:
 def free_joint_name(robot: Robot) -> str:
     """Returns the name of the free joint of a floating base."""
     loops = {dof.name for loop in robot.loops for dof in loop.dofs}
-    return free(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
+    return free_name(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)

@@ -24,7 +24,7 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import chain
 from linkwright.stages.robot.motion.loops import POINTWISE
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 Site = tuple[str, str, Array]
 """(link or carrier that has the site, name of the site, its pose (4, 4) on the link)."""
@@ -78,7 +78,7 @@ class Closures:
         for loop in robot.loops:
             sites: list[Site] = []
             for link, suffix, pose in self._ends(loop):
-                sites.append((link, free(f"{loop.name}_{suffix}", taken), pose))
+                sites.append((link, free_name(f"{loop.name}_{suffix}", taken), pose))
                 taken.add(sites[-1][1])
                 self._sites_on.setdefault(link, []).append(sites[-1])
             self._sites[loop.name] = tuple(sites)
@@ -124,7 +124,7 @@ class Closures:
             names = [name for _, name, _ in self._sites[loop.name]]
             kind = "connect" if loop.type in SUFFIXES else "weld"
             for index, suffix in enumerate(SUFFIXES.get(loop.type, ("",))):
-                name = free(loop.name + suffix, taken) if suffix else loop.name
+                name = free_name(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
                 first, second = names[2 * index : 2 * index + 2]
                 stiffness = {"solref": spaced(stable_solref(loop.solref, timestep)), "solimp": MAX_IMPEDANCE}
@@ -144,7 +144,7 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
     for loop in robot.loops:
         if loop.type in POINTWISE:
             continue
-        name = free(f"{loop.name}_carrier", taken)
+        name = free_name(f"{loop.name}_carrier", taken)
         taken.add(name)
         if loop.link_a in moving:
             b_from_frame, dofs = loop.b_from_frame, loop.dofs

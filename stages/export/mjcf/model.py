@@ -25,7 +25,7 @@ from linkwright.stages.formats.xml import Element, element, to_bytes
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, MjcfExtras
 from linkwright.stages.robot.model.robot import Configuration, Relation, Robot, Value
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 if TYPE_CHECKING:
     from linkwright.stages.export.writer import WriterInput
@@ -44,7 +44,7 @@ def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
     extras = written.extras
     _option(root, inputs.keys.scene.option, extras)
-    top = free(robot.name, {"main", "visual", "collision"})
+    top = free_name(robot.name, {"main", "visual", "collision"})
     classes = _defaults(root, top, geometry.self_contact)
     material_names = _assets(root, geometry)
     closures = Closures(robot)

@@ -16,7 +16,7 @@ from linkwright.stages.export.scene import ground_pose
 from linkwright.stages.formats.numbers import number, spaced
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
 from linkwright.stages.robot.model.scene import FLOOR as GROUND
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import GroundSection, LightSection, SkySection
@@ -51,7 +51,7 @@ def write_scene(inputs: "WriterInput", model: bytes) -> bytes:
         {name for tag, name in scene_elements if tag == "geom"},
     )
     if floor is not None:
-        floor.set("name", free(GROUND, geoms))
+        floor.set("name", free_name(GROUND, geoms))
     write_sections(root, extras.scene)
     if np.isfinite(standing.low).all():
         center, size = (standing.low + standing.high) / 2, standing.high - standing.low

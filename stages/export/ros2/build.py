@@ -25,7 +25,7 @@ from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.robot_json.files import NameChangesRecord, PackageRecord
 from linkwright.stages.formats.xml import to_bytes
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 FOLDER = "ros2"
 """Folder of the package in the output, which can be the folder `src` of a workspace."""
@@ -76,7 +76,7 @@ def _files(
     home = {joint.name: float(number(joint.home, least=1.0)) for joint in control.joints if not joint.follows}
     meshes = inputs.written.shapes.shown(meshes=False, whole=True).files
     files = [
-        (f"urdf/{parts[0]}", macro(description, macro_name, free(f"{description.base}_mount", joints))),
+        (f"urdf/{parts[0]}", macro(description, macro_name, free_name(f"{description.base}_mount", joints))),
         (f"urdf/{parts[1]}", control_macro(control, macro_name)),
         (f"urdf/{name}.urdf.xacro", entry(name, description, control, macro_name, parts)),
         (f"urdf/{name}.urdf", to_bytes(description.root)),

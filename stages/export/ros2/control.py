@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.poses import motion, turns_from_rotation
 from linkwright.stages.robot.model.robot import Robot, Sensor
 from linkwright.stages.robot.model.sensing import Sensing
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 COMMANDS: Mapping[str, str] = {
     "position": "position",
@@ -114,11 +114,12 @@ class Control:
     parameters: Parameters = ()
     """The parameters of the source's hardware."""
 
-    by_effort: tuple[tuple[str, str], ...] = ()
+    joints_by_effort: tuple[tuple[str, str], ...] = ()
     """(joint, type) of each actuator without an interface of its own, which is commanded by effort."""
 
-    held_back: tuple[str, ...] = ()
-    """The joints that follow others, and so cannot be commanded."""
+    follower_joints: tuple[str, ...] = ()
+    """The joints that follow others, and so are not commanded, although they have an actuator or, in the
+    source, a command interface."""
 
     left_out: tuple[str, ...] = ()
     """The names of sensors without a counterpart in ros2_control."""
@@ -147,7 +148,7 @@ def control_of(written: Written, description: Description) -> Control:
     for actuator in written.actuation.actuators:
         actuator_types[actuator.dof].append(actuator.type)
     measured_dofs = _measured_dofs(written.actuation, written.sensing)
-    joints, by_effort, held_back = [], [], []
+    joints, joints_by_effort, follower_joints = [], [], []
     for node in description.moving:
         name = str(node.get("name"))
         urdf_name = urdf_names[name]
@@ -158,8 +159,8 @@ def control_of(written: Written, description: Description) -> Control:
         }
         follows = _follows(node)
         if interfaces and follows:
-            held_back.append(name)
-        by_effort += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
+            follower_joints.append(name)
+        joints_by_effort += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
         commands = (
             () if follows else tuple(interface for interface in COMMAND_ORDER if interface in interfaces)
         )
@@ -171,7 +172,13 @@ def control_of(written: Written, description: Description) -> Control:
     sensors, left_out = _sensors(written, description, [joint.name for joint in joints])
     plugin, parameters = _hardware(controls)
     return Control(
-        tuple(joints), sensors, plugin, parameters, tuple(by_effort), tuple(held_back), tuple(left_out)
+        tuple(joints),
+        sensors,
+        plugin,
+        parameters,
+        tuple(joints_by_effort),
+        tuple(follower_joints),
+        tuple(left_out),
     )
 
 
@@ -265,7 +272,7 @@ def _sensors(
     names = legal_names([name for name, _, _ in found_sensors], "sensor")
     sensors = []
     for name, kind, place in found_sensors:
-        unique_name = free(names[name], used_names)
+        unique_name = free_name(names[name], used_names)
         used_names.add(unique_name)
         sensors.append(ControlSensor(unique_name, kind, frames[place]))
     return tuple(sensors), left_out

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from linkwright.stages.export.ros2.control import Control
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 BROADCASTERS = {"imu": "imu_sensor_broadcaster", "force_torque": "force_torque_sensor_broadcaster"}
 """Kind of a sensor → the package of its broadcaster."""
@@ -69,7 +69,7 @@ def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) ->
             parameters = {"joints": joints, "interface_name": interface}
             yield Controller(f"{interface}_controller", "forward_command_controller", parameters)
     for sensor in control.sensors:
-        name = free(f"{sensor.name}_broadcaster", used_names)
+        name = free_name(f"{sensor.name}_broadcaster", used_names)
         used_names.add(name)
         parameters_of_sensor = {"sensor_name": sensor.name, "frame_id": sensor.frame}
         yield Controller(name, BROADCASTERS[sensor.kind], parameters_of_sensor)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.export.package_names import stem_of
-from linkwright.stages.robot.text.names import free, plain
+from linkwright.stages.robot.text.names import free_name, plain
 
 XACRO_TAGS = frozenset(
     {"arg", "attribute", "call", "element", "if", "include", "insert_block", "macro", "property", "unless"}
@@ -49,7 +49,7 @@ def legal_names(names: Iterable[str], kind: str) -> dict[str, str]:
     used_names = set(legal)
     for name in originals:
         if name not in legal:
-            legal[name] = free(_legal(name, kind), used_names)
+            legal[name] = free_name(_legal(name, kind), used_names)
             used_names.add(legal[name])
     return {name: legal[name] for name in originals}
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from linkwright.stages.export.ros2.moveit import Semantics
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 TRAJECTORY = "joint_trajectory_controller"
 """Name of the controller of all joints that are in no gripper, and in no arm or in several arms."""
@@ -42,7 +42,7 @@ def trajectories_of(joints: Sequence[str], semantics: Semantics) -> dict[str, tu
 
 
 def _name(group: str, used_names: set[str]) -> str:
-    name = free(f"{group}_controller", used_names)
+    name = free_name(f"{group}_controller", used_names)
     used_names.add(name)
     return name
 

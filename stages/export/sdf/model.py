@@ -19,7 +19,7 @@ from linkwright.stages.formats.xml import Element, element, to_bytes
 from linkwright.stages.robot.dynamics.inertia import SPECK
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Array, Robot
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 VERSION = "1.9"
 """The newest version that Gazebo Fortress and Debian 12 read."""
@@ -102,7 +102,7 @@ def _write_mounted(
     relative_to: str | None = None,
 ) -> None:
     """Writes a sensor with its pose, under a name that no sibling has."""
-    name = free(sensor.name, sibling_names)
+    name = free_name(sensor.name, sibling_names)
     sibling_names.add(name)
     node = write_sensor(above, sensor, name, colliders)
     write_pose(node, sensor.link_from_sensor, relative_to)

@@ -12,7 +12,7 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.model.sensing import Sensing, Sensor, SensorCamera
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 SDF_TYPES: Mapping[str, str] = {
     "gyro": "imu",
@@ -69,7 +69,7 @@ class SdfSensor:
     """The robot's camera, for a sensor that is a camera."""
 
     @property
-    def aside(self) -> bool:
+    def is_off_joint_origin(self) -> bool:
         """Tells whether the sensor measures a torque away from its joint's origin, about which SDF has
         torques."""
         torque = any(sensor.type == "torque" for sensor in self.measured)
@@ -121,13 +121,13 @@ def sensors_of(
         link, pose = places[target == "body", name]
         if type_ == "gpu_lidar":
             pose = pose @ from_parts(_ALONG_Z, np.zeros(3))
-        unique_name = free(
+        unique_name = free_name(
             _common_stem([sensor.name for sensor in measured]) or f"{name}_{type_}", used_names
         )
         used_names.add(unique_name)
         mounted.append(SdfSensor(unique_name, type_, link, pose, tuple(measured)))
     for camera in sensing.cameras:
-        unique_name = free(camera.name, used_names)
+        unique_name = free_name(camera.name, used_names)
         used_names.add(unique_name)
         link_from_sensor = camera.link_from_camera @ from_parts(_FROM_IMAGE, np.zeros(3))
         mounted.append(SdfSensor(unique_name, "camera", camera.link, link_from_sensor, (), camera))

@@ -14,7 +14,7 @@ from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts, inverse, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Array, Robot, Sensor, frozen
 from linkwright.stages.robot.model.sensing import SensorCamera, SensorSite, SensorTarget, ZoneShape
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.sensor_section import SensorSection
@@ -124,7 +124,7 @@ class MountedSensors:
         shape: ZoneShape = "",
         size: tuple[float, ...] = (),
     ) -> tuple[SensorTarget, str]:
-        unique_name = free(name, self._taken)
+        unique_name = free_name(name, self._taken)
         self._taken.add(unique_name)
         self.sites.append(SensorSite(unique_name, mount.link, frozen(link_from_site), shape, size))
         return "site", unique_name

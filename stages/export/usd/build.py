@@ -48,7 +48,7 @@ def _picture(task: WriterInput) -> bytes | str:
 
 def _record(plan: UsdPlan) -> dict[str, FormatRecord]:
     """Returns the entry of the USD in `robot.json`: names and zeros that differ from the robot's."""
-    renamed = NameChangesRecord.from_model(plan.names) if any(plan.names.changes) else None
+    renamed = NameChangesRecord.from_model(plan.names) if any(plan.names.changed_names()) else None
     record = FormatRecord(renamed, plan.ball_zeros or None)
     return {} if record == FormatRecord() else {"usd": record}
 

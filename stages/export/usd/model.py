@@ -40,7 +40,7 @@ from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot
 from linkwright.stages.robot.model.sensing import Sensing, SensorCamera
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 _CAMERA_FROM_PRIM = np.diag([1.0, -1.0, -1.0])
 """camera_from_prim (3, 3): USD's cameras look along −z with y up; the robot's look along z with y down."""
@@ -139,7 +139,7 @@ class _LayerWriter:
             shapes = self.shapes[link.name, "visual"]
             if shapes:
                 prim_name = self.plan.names.links[link.name]
-                scope = self.bodies[prim_name].child(free("visuals", used_names[link.name]), "Scope")
+                scope = self.bodies[prim_name].child(free_name("visuals", used_names[link.name]), "Scope")
                 body_pose = self.poses[prim_name]
                 write_visuals(scope, shapes, materials, self.meshes, self.shown_meshes, body_pose)
 
@@ -149,7 +149,7 @@ class _LayerWriter:
             shapes = self.shapes[link.name, "collision"]
             if shapes:
                 prim_name = self.plan.names.links[link.name]
-                scope = self.bodies[prim_name].child(free("collisions", used_names[link.name]), "Scope")
+                scope = self.bodies[prim_name].child(free_name("collisions", used_names[link.name]), "Scope")
                 scope.token("purpose", "guide")
                 self.colliders[link.name] = write_colliders(
                     scope, shapes, materials, self.meshes, self.shown_meshes, self.poses[prim_name]

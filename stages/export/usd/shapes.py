@@ -14,7 +14,7 @@ from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
 from linkwright.stages.formats.usd.names import identifiers
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Array, Primitive
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 Friction = tuple[float, float, float]
 """Coefficients of friction: sliding [-], torsional [m] and rolling [m]."""
@@ -122,7 +122,7 @@ def write_materials(above: Prim, geometry: Geometry) -> UsdMaterials:
     }
     physical = {}
     for friction in _frictions(geometry):
-        name = free("friction", used_names)
+        name = free_name("friction", used_names)
         used_names.add(name)
         prim = above.child(name, "Material", "PhysicsMaterialAPI", "NewtonMaterialAPI")
         for key in ("staticFriction", "dynamicFriction"):

@@ -104,27 +104,27 @@ def encode_settings(base: str, settings: Mapping[str, Any], parameters: Sequence
     allowed.
     """
     log = Diagnostics()
-    values_by_id: dict[str, str] = {}
+    texts_by_id: dict[str, str] = {}
     for name, value in settings.items():
         place = f"{_KEY}.{name}"
         parameter = _find_parameter(name, place, parameters, log)
         if parameter is None:
             continue
-        if parameter.id in values_by_id:
-            text = "the parameter is given twice, by name and by id"
-            log.report("E-CONFIGURATION", text, place, "remove one of the two")
+        if parameter.id in texts_by_id:
+            msg = "the parameter is given twice, by name and by id"
+            log.report("E-CONFIGURATION", msg, place, "remove one of the two")
             continue
         try:
-            values_by_id[parameter.id] = _CONVERTERS[parameter.kind](parameter, value)
+            texts_by_id[parameter.id] = _CONVERTERS[parameter.kind](parameter, value)
         except ValueError as error:
             log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed_values}")
     if log.problems:
         msg = f"invalid configuration of the assembly: {count(len(log.problems), 'problem')}"
         raise SourceError(msg, _KEY, problems=log.problems)
-    values = split(base) | {name: encoded(value) for name, value in values_by_id.items()}
+    encoded_texts = split(base) | {parameter_id: encoded(text) for parameter_id, text in texts_by_id.items()}
     # In the order of the document, so that the same configuration is always the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
-    return joined(dict(sorted(values.items(), key=lambda item: rank.get(item[0], len(rank)))))
+    return joined(dict(sorted(encoded_texts.items(), key=lambda item: rank.get(item[0], len(rank)))))
 
 
 def _parameter(record: Mapping[str, Any]) -> Parameter:

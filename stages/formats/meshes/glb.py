@@ -198,7 +198,7 @@ def _merge_corners(
     (n, 2), counted from the upper left corner of the image. Vertices are in the order of their first corners.
     """
     if texcoords is None:
-        # Normals are in that order already.
+        # Normals are numbered in the order of their first corners already.
         _, first_corners = np.unique(normal_indices, return_index=True)
         return first_corners, normal_indices.ravel(), None
     keys = np.concatenate([normal_indices.reshape(-1, 1), texcoords.reshape(-1, 2)], axis=1)

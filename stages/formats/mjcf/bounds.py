@@ -52,7 +52,9 @@ def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
         try:
             root = xml.parse(regular_files.content(xml_file, MAX_XML_BYTES), large=True)
         except (xml.Malformed, OSError, regular_files.FileTooLarge):
-            continue  # MuJoCo reports that
+            # MuJoCo reports a malformed or unreadable file; a file that is too large was refused before
+            # (`fetch.mjcf.files`).
+            continue
         for violation in _violations(root):
             msg = f"it exceeds a size limit: {violation}"
             raise SourceError(msg, path.name, "remove it, or lower the number")
@@ -95,7 +97,8 @@ def _attribute_violations(element: Element) -> Iterator[str]:
     if tag in _SIZE_ATTRIBUTES:
         cells = prod(_product(element, key) for key in _SIZE_ATTRIBUTES[tag])
         if cells > MAX_CELLS:
-            yield f"<{tag}> has {cells:.6g} points; at most {MAX_CELLS} are allowed"
+            unit = "pixels" if tag == "texture" else "points"
+            yield f"<{tag}> has {cells:.6g} {unit}; at most {MAX_CELLS} are allowed"
 
 
 def _product(element: Element, key: str) -> float:

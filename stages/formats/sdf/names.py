@@ -1,11 +1,11 @@
 """Chooses the names of a robot's links, joints and frames in an SDF, where all of them share a namespace."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.robot.model.robot import Joint, Loop, Robot
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 WORLD = "world"
 """The name that an SDF reserves for the world outside the model. A robot may have a link of this name, at the
@@ -27,8 +27,7 @@ class SdfNames:
     base_joint: str
     """The name of the generated joint that holds the root link of a fixed robot."""
 
-    @property
-    def changes(self) -> Iterator[tuple[str, str, str]]:
+    def changed_names(self) -> Iterator[tuple[str, str, str]]:
         """Yields (kind, name, name in the SDF) for each link, joint or frame that has another name in the
         SDF."""
         for kind, names in (("link", self.links), ("joint", self.joints), ("frame", self.frames)):
@@ -45,36 +44,47 @@ def sdf_names(robot: Robot) -> SdfNames:
     links = [link.name for link in robot.links]
     joints = [name for chain in chains for name in _joint_names(chain)]
     frames = [frame.name for frame in robot.frames]
-    # `used_names` have been assigned; a generated name also avoids names that will be assigned later.
-    all_names = {*map(_allowed_name, (*links, *joints, *frames)), WORLD}
-    used_names = {WORLD}
+    namespace = _Namespace((*links, *joints, *frames))
+    # The order decides which names stay.
+    link_names = namespace.assign(links, "link")
+    joint_names = namespace.assign(joints, "joint")
+    frame_names = namespace.assign(frames, "frame")
+    links_between = {
+        chain.name: tuple(
+            namespace.generate(f"{_allowed_name(chain.name)}_{number}")
+            for number in range(1, len(chain.dofs))
+        )
+        for chain in chains
+    }
+    base_joint = namespace.generate(f"{link_names[robot.root.name]}_fixed")
+    return SdfNames(link_names, joint_names, frame_names, links_between, base_joint)
 
-    def assign_names(names: list[str], kind: str) -> dict[str, str]:
+
+class _Namespace:
+    """The names of an SDF while they are chosen."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        """`names`: all names in the robot that will be assigned, which generated names avoid."""
+        self._all_names = {*map(_allowed_name, names), WORLD}
+        self._used_names = {WORLD}
+        """The names in the SDF that are assigned already."""
+
+    def assign(self, names: Iterable[str], kind: str) -> dict[str, str]:
         """Returns name → name in the SDF, with the suffix `kind` if another element has the name."""
-        name_in_sdf = {}
+        sdf_name_by_name = {}
         for name in names:
             sdf_name = _allowed_name(name)
-            if sdf_name in used_names:
-                sdf_name = free(f"{sdf_name}_{kind}", all_names)
-                all_names.add(sdf_name)
-            used_names.add(sdf_name)
-            name_in_sdf[name] = sdf_name
-        return name_in_sdf
+            if sdf_name in self._used_names:
+                sdf_name = self.generate(f"{sdf_name}_{kind}")
+            self._used_names.add(sdf_name)
+            sdf_name_by_name[name] = sdf_name
+        return sdf_name_by_name
 
-    # The order decides which names stay.
-    link_names = assign_names(links, "link")
-    joint_names = assign_names(joints, "joint")
-    frame_names = assign_names(frames, "frame")
-    all_names |= used_names
-    links_between = {}
-    for chain in chains:
-        chain_links = []
-        for number in range(1, len(chain.dofs)):
-            chain_links.append(free(f"{_allowed_name(chain.name)}_{number}", all_names))
-            all_names.add(chain_links[-1])
-        links_between[chain.name] = tuple(chain_links)
-    base_joint = free(f"{link_names[robot.root.name]}_fixed", all_names)
-    return SdfNames(link_names, joint_names, frame_names, links_between, base_joint)
+    def generate(self, base_name: str) -> str:
+        """Returns a name that no other element has: `base_name`, with a number if necessary."""
+        name = free_name(base_name, self._all_names)
+        self._all_names.add(name)
+        return name
 
 
 def _joint_names(chain: Joint | Loop) -> list[str]:

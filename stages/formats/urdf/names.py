@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.robot.model.robot import Joint, Robot
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +72,6 @@ def urdf_steps(joint: Joint) -> int:
 
 def _taken(name: str, taken: set[str]) -> str:
     """Returns a free name, and adds it to `taken`."""
-    chosen = free(name, taken)
+    chosen = free_name(name, taken)
     taken.add(chosen)
     return chosen

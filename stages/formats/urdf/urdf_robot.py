@@ -9,7 +9,7 @@ from linkwright.stages.robot.dynamics.fusing import Holders, fused
 from linkwright.stages.robot.model.robot import Relation, Robot
 from linkwright.stages.robot.motion.loop_lines import closed_loops, linear_couplings
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 
 def urdf_form(robot: Robot, merged: bool = False, preferred_drivers: Sequence[str] = ()) -> UrdfForm:
@@ -54,7 +54,7 @@ def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:
         relations.append(relation)
     used_names = {relation.name for relation in robot.relations} | {loop.name for loop in robot.loops}
     for mimic in form.mimics:
-        name = free(f"{mimic.follower}_mimic", used_names)
+        name = free_name(f"{mimic.follower}_mimic", used_names)
         used_names.add(name)
         relations.append(Relation(name, mimic.follower, mimic.driver, mimic.multiplier, mimic.offset))
     return tuple(relations)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from linkwright.stages.robot.model.robot import Joint, Loop, Robot
-from linkwright.stages.robot.text.names import free, plain
+from linkwright.stages.robot.text.names import free_name, plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +25,8 @@ class UsdNames:
     scopes: Mapping[str, str]
     """Content → the prim next to the links that holds it."""
 
-    @property
-    def changes(self) -> Iterator[tuple[str, str, str]]:
-        """Yields the things with another name in the USD: kind, name, and name in the USD."""
+    def changed_names(self) -> Iterator[tuple[str, str, str]]:
+        """Yields (kind, name, name in the USD) for each link or joint that has another name in the USD."""
         for kind, names in (("link", self.links), ("joint", self.joints)):
             yield from ((kind, name, prim) for name, prim in names.items() if name != prim)
 
@@ -42,9 +41,9 @@ def usd_names(robot: Robot) -> UsdNames:
     between = {chain.name: tuple(_added(chain, siblings)) for chain in chains}
     scopes = {}
     for name in ("joints", "materials", "actuators"):
-        scopes[name] = free(name, siblings)
+        scopes[name] = free_name(name, siblings)
         siblings.add(scopes[name])
-    base = free("root_joint", set(joints.values()))
+    base = free_name("root_joint", set(joints.values()))
     return UsdNames(identifier(robot.name), links, joints, between, base, scopes)
 
 
@@ -56,7 +55,7 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, st
     used_names |= prims.keys()
     for name in names:
         if name not in prims:
-            prims[name] = free(identifier(name), used_names)
+            prims[name] = free_name(identifier(name), used_names)
             used_names.add(prims[name])
     return {name: prims[name] for name in names}
 
@@ -76,6 +75,6 @@ def joints_of(chain: Joint | Loop) -> list[str]:
 
 def _added(chain: Joint | Loop, siblings: set[str]) -> Iterator[str]:
     for count in range(1, len(chain.dofs)):
-        name = free(f"{identifier(chain.name)}_{count}", siblings)
+        name = free_name(f"{identifier(chain.name)}_{count}", siblings)
         siblings.add(name)
         yield name

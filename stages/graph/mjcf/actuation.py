@@ -7,7 +7,7 @@ from linkwright.stages.formats.mjcf.model import Mjcf, MjcfSensorEnd
 from linkwright.stages.graph.mjcf.naming import MjcfFileNames
 from linkwright.stages.robot.model.actuation import Actuator, ActuatorType
 from linkwright.stages.robot.model.sensing import Sensor, SensorTarget, ZoneShape
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
@@ -53,7 +53,7 @@ def sensor_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
     all_names = []
     for sensor in mjcf.sensors:
         object_name = name_of(sensor.on) or ""
-        all_names.append(sensor.name or free(f"{object_name}_{sensor.type}".lstrip("_"), taken_names))
+        all_names.append(sensor.name or free_name(f"{object_name}_{sensor.type}".lstrip("_"), taken_names))
         taken_names.add(all_names[-1])
     return all_names
 
@@ -64,7 +64,7 @@ def actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
     taken_names = {actuator.name for actuator in mjcf.actuators}
     all_names = []
     for actuator in mjcf.actuators:
-        all_names.append(actuator.name or free(dofs[actuator.joint], taken_names))
+        all_names.append(actuator.name or free_name(dofs[actuator.joint], taken_names))
         taken_names.add(all_names[-1])
     return all_names
 

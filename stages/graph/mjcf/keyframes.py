@@ -5,7 +5,7 @@ from linkwright.stages.graph.mjcf.naming import MjcfFileNames
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Keyframe
 from linkwright.stages.robot.text.globs import name_list
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 
 def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) -> tuple[Keyframe, ...]:
@@ -15,7 +15,7 @@ def keyframes_of(mjcf: Mjcf, names: MjcfFileNames, root: int, log: Diagnostics) 
     taken_names = {frame.name for frame in mjcf.keyframes}
     keyframes = []
     for index, keyframe in enumerate(mjcf.keyframes):
-        name = keyframe.name or free(f"keyframe_{index}", taken_names)
+        name = keyframe.name or free_name(f"keyframe_{index}", taken_names)
         taken_names.add(name)
         lost_names = [dofs[joint][1] for joint in keyframe.moved if dofs[joint][0] != root]
         if lost_names:

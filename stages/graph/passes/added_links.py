@@ -27,7 +27,7 @@ from linkwright.stages.robot.model.robot import (
     frozen,
 )
 from linkwright.stages.robot.text.globs import no_match_hint
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",
@@ -54,7 +54,7 @@ def with_added_links(robot: Robot, sections: Mapping[str, AddedLinkSection], log
 
     def add(robot: Robot, name: str, keys: AddedLinkSection) -> Robot:
         taken_names = names_in(robot)
-        joint = keys.joint.name or free(f"{name}_joint", taken_names | section_names)
+        joint = keys.joint.name or free_name(f"{name}_joint", taken_names | section_names)
         reasons = [why_unusable(name, taken_names), why_unusable(joint, {*taken_names, name})]
         for reason in filter(None, reasons):
             log.report("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")

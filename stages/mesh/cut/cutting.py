@@ -9,9 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.surface import Points, Surface, drop_unused_points
 from linkwright.stages.mesh.surfaces.booleans import body_of, surface_of_body
+
+Indices = npt.NDArray[np.int64]
 
 P = TypeVar("P")
 """Type of the pieces that `cut_costliest` cuts."""
@@ -61,37 +64,39 @@ def cut_by_plane(surface: Surface, normal: Points, height: float) -> tuple[Surfa
     heights = points @ normal - height
     is_high = (heights > 0)[triangles]
     high_count = is_high.sum(axis=1)
-    vertices, low_triangles, high_triangles = (
-        [points],
-        [triangles[high_count == 0]],
-        [triangles[high_count == 3]],
-    )
-    vertex_count = len(points)
-    # A plane between the corners of a triangle cuts off its lone corner, as a triangle; the other two corners
-    # keep a quadrilateral, which becomes two triangles.
-    for number, lone_side, pair_side in (
-        (1, high_triangles, low_triangles),
-        (2, low_triangles, high_triangles),
+    low_triangles = [triangles[high_count == 0]]
+    high_triangles = [triangles[high_count == 3]]
+    vertices = points
+    for lone_is_high, lone_side, pair_side in (
+        (True, high_triangles, low_triangles),
+        (False, low_triangles, high_triangles),
     ):
-        rows = np.flatnonzero(high_count == number)
-        lone_corner = (is_high[rows] if number == 1 else ~is_high[rows]).argmax(axis=1)
+        rows = np.flatnonzero(high_count == (1 if lone_is_high else 2))
+        lone_corners = (is_high[rows] == lone_is_high).argmax(axis=1)
         # Corners in cyclic order from the lone one, so that the new triangles face as the old one does.
-        order = (lone_corner[:, None] + np.arange(3)) % 3
+        order = (lone_corners[:, None] + np.arange(3)) % 3
         lone, first, second = np.take_along_axis(triangles[rows], order, axis=1).T
-        for end in (first, second):
-            share = heights[lone] / (heights[lone] - heights[end])
-            vertices.append(points[lone] + share[:, None] * (points[end] - points[lone]))
-        to_first, to_second = vertex_count + np.arange(2 * len(rows)).reshape(2, -1)
-        vertex_count += 2 * len(rows)
+        new_points = [_points_at_plane(points, heights, lone, end) for end in (first, second)]
+        to_first, to_second = len(vertices) + np.arange(2 * len(rows)).reshape(2, -1)
+        vertices = np.concatenate([vertices, *new_points])
+        # The plane cuts off the lone corner, as a triangle; the other two corners keep a quadrilateral, which
+        # becomes two triangles.
         lone_side.append(np.column_stack([lone, to_first, to_second]))
         pair_side.append(np.column_stack([to_first, first, second]))
         pair_side.append(np.column_stack([to_first, second, to_second]))
-    all_vertices = np.concatenate(vertices)
     low_side, high_side = (
-        drop_unused_points(Surface(all_vertices, np.concatenate(side)))
+        drop_unused_points(Surface(vertices, np.concatenate(side)))
         for side in (low_triangles, high_triangles)
     )
     return low_side, high_side
+
+
+def _points_at_plane(points: Points, heights: Points, starts: Indices, ends: Indices) -> Points:
+    """Returns the points (m, 3) at which edges cross a plane. `points`: (n, 3); `heights`: their heights
+    above the plane (n,) [m]; `starts`, `ends`: indices of the points of each edge (m,)."""
+    shares = heights[starts] / (heights[starts] - heights[ends])
+    crossings: Points = points[starts] + shares[:, None] * (points[ends] - points[starts])
+    return crossings
 
 
 _PLANE_COUNTS = (4, 8)

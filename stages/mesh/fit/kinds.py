@@ -13,7 +13,7 @@ from linkwright.stages.mesh.fit.circles import smallest_ball
 from linkwright.stages.mesh.fit.directions import Silhouette, axes_across, frames, silhouettes
 from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
 from linkwright.stages.mesh.fit.refine import max_refined_error, refined
-from linkwright.stages.mesh.fit.score import error, least_error
+from linkwright.stages.mesh.fit.score import least_error, primitive_error
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
@@ -24,10 +24,10 @@ this share times the part's size."""
 _MAX_AXES = 3
 """Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
 
-_MAX_CLOSE_FITS = 3
+_MAX_FINE_FITS = 3
 """Largest number of fits of a kind that are measured finely, with many sample points."""
 
-_MAX_CLOSE_ERROR = 4.0
+_MAX_FINE_ERROR = 4.0
 """Coarse error of a kind's best fit, in default tolerances, from which on only this fit is measured finely:
 the kind does not suit the part."""
 
@@ -104,11 +104,12 @@ def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> 
 def _refine_best(shapes: Sequence[Primitive], outline: Outline) -> PrimitiveFit:
     """Returns the shape with the smallest error, refined; `shapes` has at least one. Only the best shapes by
     a coarse error are measured finely."""
-    coarse_fits = [PrimitiveFit(shape, error(shape, outline, fine=False)) for shape in shapes]
+    coarse_fits = [PrimitiveFit(shape, primitive_error(shape, outline, fine=False)) for shape in shapes]
     coarse_fits.sort(key=lambda fit: fit.error)
-    fine_count = _MAX_CLOSE_FITS if coarse_fits[0].error < _MAX_CLOSE_ERROR * outline.tolerance else 1
+    fine_count = _MAX_FINE_FITS if coarse_fits[0].error < _MAX_FINE_ERROR * outline.tolerance else 1
     fine_fits = [
-        PrimitiveFit(fit.primitive, error(fit.primitive, outline)) for fit in coarse_fits[:fine_count]
+        PrimitiveFit(fit.primitive, primitive_error(fit.primitive, outline))
+        for fit in coarse_fits[:fine_count]
     ]
     best = first_best_fit(fine_fits, outline)
     return PrimitiveFit(*refined(best.primitive, best.error, outline))
@@ -155,9 +156,9 @@ def _balanced_ends(outline: Outline, axis: Floats, low: float, high: float) -> t
     the faces on that side."""
     depth = high - low
     # The lower end is the upper end along the opposite axis.
-    lower_end = (levels.face_height(outline, -axis, -low, depth) - low) / 2
+    opposite_end = (levels.face_height(outline, -axis, -low, depth) - low) / 2
     upper_end = (levels.face_height(outline, axis, high, depth) + high) / 2
-    return -lower_end, upper_end
+    return -opposite_end, upper_end
 
 
 class _EnclosingCylinder(NamedTuple):
@@ -229,10 +230,10 @@ def _capsules(subject: Subject) -> Iterator[Primitive]:
         # Each vertex may be at most `radius` from the segment between the centres of the caps.
         cap_heights = np.sqrt(np.maximum(circle.radius**2 - axis_distances**2, 0.0))
         low, high = float((heights + cap_heights).min()), float((heights - cap_heights).max())
-        least_length = _MIN_CAPSULE_LENGTH * circle.radius
-        if high - low < least_length:
+        min_length = _MIN_CAPSULE_LENGTH * circle.radius
+        if high - low < min_length:
             middle = float(heights.min() + heights.max()) / 2
-            low, high = middle - least_length / 2, middle + least_length / 2
+            low, high = middle - min_length / 2, middle + min_length / 2
         yield _solid_of_revolution("capsule", circle, circle.radius, low, high)
         yield _solid_of_revolution("capsule", circle, (circle.radius + circle.median_radius) / 2, low, high)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from linkwright.stages.mesh.fit.outline import Outline
-from linkwright.stages.mesh.fit.score import error
+from linkwright.stages.mesh.fit.score import primitive_error
 from linkwright.stages.robot.model.robot import Primitive, frozen
 
 _MAX_FIRST_ERROR = 2.0
@@ -49,7 +49,7 @@ def refined(primitive: Primitive, first_error: float, outline: Outline) -> tuple
         for _, side, amount in useful_moves:
             primitive_moved = _stretched(primitive_moved, side, amount)
         score, side, amount = min(useful_moves)
-        common = error(primitive_moved, outline)
+        common = primitive_error(primitive_moved, outline)
         primitive = primitive_moved if common <= score else _stretched(primitive, side, amount)
         least_error = min(common, score)
     return primitive, least_error
@@ -67,7 +67,7 @@ def _best_move(
             moved_primitive = _stretched(primitive, side, amount)
             if (
                 outline.bareness(moved_primitive) < limit
-                and (score := error(moved_primitive, outline)) < limit
+                and (score := primitive_error(moved_primitive, outline)) < limit
             ):
                 moves.append((score, side, amount))
     return min(moves, default=None)

@@ -20,7 +20,7 @@ _COARSE_GRID = (3, 7)
 the points do not all fall on the teeth, or all between them."""
 
 
-def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
+def primitive_error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
     """Returns the smallest tolerance [m] that a primitive meets. It is the largest of three values: how far
     the part stands out of the primitive at most, the 95 % quantile of how far the primitive stands out of the
     part, and a third of the latter's maximum. Without `fine`, few points are sampled."""

@@ -16,7 +16,7 @@ from linkwright.stages.formats.meshes.surface import Points, Surface
 from linkwright.stages.mesh.surfaces.rays import DIRECTIONS, LineGrid
 from linkwright.stages.mesh.surfaces.shells import Edges
 
-Indices = npt.NDArray[np.int64]
+Integers = npt.NDArray[np.int64]
 
 _MAX_DIRECTIONS = 3
 """Largest number of directions that are tried if lines meet corners of a closed surface."""
@@ -30,7 +30,7 @@ class LineGrids:
     _grids: dict[int, LineGrid] = field(default_factory=dict)
     """Index of a direction → its grid."""
 
-    def doubled_winding(self, points: Points, direction: int) -> tuple[Indices, Indices]:
+    def doubled_winding(self, points: Points, direction: int) -> tuple[Integers, Integers]:
         """Returns two arrays (n,) for points (n, 3) and the lines through them in a direction: twice the
         winding number, and the number of times that the whole line leaves the surface minus the number of
         times that it enters.
@@ -87,7 +87,7 @@ class InsideTest:
         # closed_winding + doubled_sum / (2 · DIRECTIONS) > ½, in whole numbers.
         return np.asarray(2 * DIRECTIONS * closed_winding + doubled_sum > DIRECTIONS)
 
-    def closed_winding(self, points: Points) -> Indices:
+    def closed_winding(self, points: Points) -> Integers:
         """Returns the winding number (n,) of the closed part of the surface at points (n, 3): 1 inside, more
         where shells overlap or intersect themselves, and negative inside a shell that is inside out."""
         windings = np.zeros(len(points), dtype=np.int64)
@@ -120,6 +120,7 @@ def _open_triangles(surface: Surface) -> npt.NDArray[np.bool_]:
     return np.isin(component_of[first], component_of[open_ends.ravel()])
 
 
-def _sums_by_point(points: Indices, values: npt.NDArray[np.int8], point_count: int) -> Indices:
-    """Returns the sum of the values of each point (point_count,). `points`: index of each value's point."""
-    return np.bincount(points, values, point_count).astype(np.int64)
+def _sums_by_point(point_indices: Integers, values: npt.NDArray[np.int8], point_count: int) -> Integers:
+    """Returns the sum of the values of each point (point_count,). `point_indices`: the point of each
+    value."""
+    return np.bincount(point_indices, values, point_count).astype(np.int64)

@@ -78,12 +78,12 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[st
     names: dict[str, str] = {}
     for tail in sorted(owners):
         for key in sorted(owners[tail], key=lambda key: (tuple(paths[key]), key)):
-            names[key] = free(tail, taken_names)
+            names[key] = free_name(tail, taken_names)
             taken_names.add(names[key])
     return names
 
 
-def free(name: str, taken_names: set[str]) -> str:
+def free_name(name: str, taken_names: set[str]) -> str:
     """Returns `name` if it is free, else `name` with the first free suffix of _2, _3, ...; after many of
     them, with any free suffix."""
     if name not in taken_names:

@@ -16,7 +16,7 @@ class BareCheck:
     level: CheckLevel
     """The level of its findings."""
 
-    passed: str
+    passed_text: str
     """The message if there are no findings."""
 
 

@@ -87,7 +87,7 @@ def _coded(
     for code, findings in by_code.items():
         if _applies(code, document.language == "urdf"):
             check = BARE_CHECKS[code]
-            yield check_of(document.path, check.name, code, check.level, findings, check.passed)
+            yield check_of(document.path, check.name, code, check.level, findings, check.passed_text)
 
 
 def _applies(code: str, urdf: bool) -> bool:

@@ -33,18 +33,19 @@ FILES_FOLDER, REPORTS_FOLDER, EMPTY_FOLDER = "files", "reports", "empty"
 class ToolUse:
     """How a checker is run on a file, and how its verdict is read."""
 
-    files: tuple[str, ...]
+    endings: tuple[str, ...]
     """The endings, after the robot's name, of the files that the checker reads. `scene.xml` is a whole name:
     the scene includes the model, and is replaced by the MJCF if there is no scene."""
 
-    arguments: Callable[[Path, Path], list[str]]
+    make_arguments: Callable[[Path, Path], list[str]]
     """Returns the arguments for a file and a folder for reports."""
 
-    opinion: Callable[[str, Path], Opinion]
+    read_opinion: Callable[[str, Path], Opinion]
     """Reads the opinion from the output and the folder of reports. Raises NoVerdict if there is none."""
 
 
-def _simcheck_arguments(file: Path, _: Path) -> list[str]:
+def _simcheck_arguments(file: Path, reports: Path) -> list[str]:
+    del reports
     srdf = file.with_suffix(".srdf")
     moveit = ["--srdf", str(srdf)] if file.suffix == ".urdf" and srdf.exists() else []
     return ["check", str(file), "--no-config", "--no-cache", "--format", "json", *moveit]
@@ -79,19 +80,20 @@ def run_checkers(
     the tool sees only PATH.
     """
     for tool in tools:
-        for file in _files(folder, robot, USES[tool.name].files):
+        for file in _files(folder, robot, USES[tool.name].endings):
             with tempfile.TemporaryDirectory(prefix="linkwright-") as name:
                 run_folder = Path(name).resolve()
                 # Links are copied as files, since the checker may write into its files.
                 shutil.copytree(folder, run_folder / FILES_FOLDER, copy_function=shutil.copyfile)
-                # A file in the robot's folder could have the name of a module that the checker looks for.
+                # The checker's working folder is empty: in the robot's folder, a file could have the name of
+                # a module that the checker imports.
                 (run_folder / EMPTY_FOLDER).mkdir()
                 (run_folder / REPORTS_FOLDER).mkdir()
                 yield _check_file(tool, run_folder, file, environ)
 
 
 def _files(folder: Path, robot: str, endings: Sequence[str]) -> list[str]:
-    """Returns the names of the robot's files with these endings (see `ToolUse.files`) that exist."""
+    """Returns the names of the robot's files with these endings (see `ToolUse.endings`) that exist."""
     names = []
     for ending in endings:
         name = ending if ending == "scene.xml" else f"{robot}{ending}"
@@ -107,8 +109,8 @@ def _check_file(tool: Tool, run_folder: Path, file: str, environ: Mapping[str, s
     use = USES[tool.name]
     reports = run_folder / REPORTS_FOLDER
     try:
-        arguments = use.arguments(run_folder / FILES_FOLDER / file, reports)
-        opinion = use.opinion(_run_tool(tool, arguments, run_folder, environ), reports)
+        arguments = use.make_arguments(run_folder / FILES_FOLDER / file, reports)
+        opinion = use.read_opinion(_run_tool(tool, arguments, run_folder, environ), reports)
     except NoVerdict as error:
         return Check(name, False, f"no verdict: {error}", code=CODE)
     except subprocess.TimeoutExpired:

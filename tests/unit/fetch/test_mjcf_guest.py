@@ -93,7 +93,7 @@ MANY = "9" * 400
         (model("", '<sensor><user dim="2000000000"/></sensor>'), "<user dim> is 2000000000"),
         (model("", '<actuator><general actdim="20000"/></actuator>'), "<general actdim> is 20000"),
         (model("", '<asset><hfield nrow="60000" ncol="60000"/></asset>'), "<hfield> has 3.6e+09 points"),
-        (model("", '<asset><texture width="9000" height="9000"/></asset>'), "<texture> has 8.1e+07 points"),
+        (model("", '<asset><texture width="9000" height="9000"/></asset>'), "<texture> has 8.1e+07 pixels"),
         (model("<body/>" * 20_001), "it has 20001 bodies"),
         (model(f'<body name="{"a" * 1001}"/>'), "the name of a <body> has 1001 letters"),
     ],

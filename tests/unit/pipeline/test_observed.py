@@ -97,7 +97,7 @@ def test_all_that_composing_asks_is_kept(here, monkeypatch, overrides):
     kept = {name for question, name, _ in seen.answers if question == "variable"}
     free = {name for name in names if name.startswith(observed.VARIABLE_PREFIXES)} | STANDS_FOR_NOTHING
     assert names - kept - free == set()
-    assert seen.lasts
+    assert seen.is_repeatable
 
 
 def test_what_is_kept_is_true_until_anything_of_it_changes(here):
@@ -146,7 +146,7 @@ def test_a_variable_that_a_value_names_is_kept_as_a_digest(here, monkeypatch, na
 def test_a_value_of_the_moment_lets_nothing_last(here, overrides, lasts):
     with observed.recording("salt") as seen:
         compose_plan(["robot=arm", *overrides], ["../more"])
-    assert seen.lasts == lasts
+    assert seen.is_repeatable == lasts
 
 
 def test_a_file_that_changes_while_it_is_read_lets_nothing_last(here):
@@ -154,7 +154,7 @@ def test_a_file_that_changes_while_it_is_read_lets_nothing_last(here):
     with observed.recording("salt") as seen:
         plan = compose_plan(["robot=arm"]).plan
         plan_problems(plan)
-        assert seen.lasts
+        assert seen.is_repeatable
         file.write_text("<site name='other'/>")
         plan_problems(plan)
-    assert not seen.lasts
+    assert not seen.is_repeatable

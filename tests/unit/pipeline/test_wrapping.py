@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.pipeline.config.compose import compose_plan
-from linkwright.pipeline.config.files.trust import forbidden_targets
+from linkwright.pipeline.config.files.trust import forbidden_target_problems
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.terminal import pasted
@@ -107,7 +107,7 @@ def test_a_word_of_powershell_is_one_literal(text):
 
 def test_the_hint_of_a_module_that_is_not_trusted_can_be_pasted():
     tree = {"validate": {"checks": [{"_target_": "a'; touch X; '.light"}]}}
-    (problem,) = forbidden_targets(tree, "linkwright")
+    (problem,) = forbidden_target_problems(tree, "linkwright")
     line = problem.hint.partition("linkwright ")[2]
     assert said(line) == "plugins=[a'; touch X; ']"
 

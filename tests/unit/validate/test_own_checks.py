@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.pipeline.config.files.trust import forbidden_targets, is_in_modules
+from linkwright.pipeline.config.files.trust import forbidden_target_problems, is_in_modules
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.plugins.loader import sources_digest, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
@@ -85,18 +85,20 @@ CHECKS = {"validate": {"checks": [{"_target_": "mine.light"}]}}
 
 
 def test_code_that_is_not_trusted_is_refused_with_its_remedy():
-    (problem,) = forbidden_targets(CHECKS, "linkwright robot=arm")
+    (problem,) = forbidden_target_problems(CHECKS, "linkwright robot=arm")
     assert (problem.code, problem.where) == ("E-TRUST", "validate.checks[0]._target_")
     assert problem.hint == "if you trust it: linkwright robot=arm 'plugins=[mine]'"
-    assert list(forbidden_targets({**CHECKS, "plugins": ["mine"]})) == []
-    assert len(list(forbidden_targets({**CHECKS, "plugins": ["other"]}))) == 1
+    assert list(forbidden_target_problems({**CHECKS, "plugins": ["mine"]})) == []
+    assert len(list(forbidden_target_problems({**CHECKS, "plugins": ["other"]}))) == 1
 
 
 def test_code_anywhere_else_is_refused_whatever_is_trusted():
     tree = {"plugins": ["os"], "vars": {"x": {"_target_": "os.system"}}}
-    assert [problem.where for problem in forbidden_targets(tree)] == ["vars.x._target_"]
+    assert [problem.where for problem in forbidden_target_problems(tree)] == ["vars.x._target_"]
     deeper = {"plugins": ["os"], "validate": {"checks": [{"_target_": "os.x", "y": {"_target_": "os.z"}}]}}
-    assert [problem.where for problem in forbidden_targets(deeper)] == ["validate.checks[0].y._target_"]
+    assert [problem.where for problem in forbidden_target_problems(deeper)] == [
+        "validate.checks[0].y._target_"
+    ]
 
 
 @pytest.mark.parametrize(

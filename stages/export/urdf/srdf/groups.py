@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from linkwright.stages.formats.urdf.names import urdf_names
 from linkwright.stages.robot.model.robot import Joint, Robot
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 ALL = "all"
 """Name of the group of all joints."""
@@ -87,7 +87,7 @@ def groups_of(robot: Robot, passive: Collection[str]) -> Groups:
 
 
 def _name(name: str, used_names: set[str]) -> str:
-    unique = free(name, used_names)
+    unique = free_name(name, used_names)
     used_names.add(unique)
     return unique
 

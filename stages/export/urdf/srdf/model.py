@@ -17,7 +17,7 @@ from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element, comment, element, to_bytes
 from linkwright.stages.robot.dynamics.passive import passive_dofs
 from linkwright.stages.robot.model.robot import Robot
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 WORLD = "world"
 """Name of the frame to which the base is fixed, or in which it floats."""
@@ -112,7 +112,7 @@ def _write_virtual_joint(root: Element, robot: Robot) -> None:
     element(
         root,
         "virtual_joint",
-        name=free(virtual_joint.name if virtual_joint else "world_joint", joint_names),
+        name=free_name(virtual_joint.name if virtual_joint else "world_joint", joint_names),
         type="fixed" if robot.base.fixed else "floating",
         parent_frame=virtual_joint.parent_frame if virtual_joint else WORLD,
         child_link=robot.root.name,

@@ -19,7 +19,7 @@ from linkwright.stages.mujoco.names import OBJ, name_of
 from linkwright.stages.mujoco.sensors import sensor
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement, MjcfExtras
 from linkwright.stages.robot.model.robot import frozen
-from linkwright.stages.robot.text.names import free
+from linkwright.stages.robot.text.names import free_name
 
 _ELEMENTS_ON_BODIES = (
     ("joint", "njnt", OBJ.mjOBJ_JOINT, "jnt_bodyid"),
@@ -155,7 +155,7 @@ class ExtrasSections:
                 self.order[kind].append(name)
                 continue
             element = elements.actuator(model, index) if kind == "actuator" else sensor(model, index)
-            name = name or free(f"{kind}_{index}", used_names)
+            name = name or free_name(f"{kind}_{index}", used_names)
             used_names.add(name)
             name_attribute: Attributes = (("name", name),)
             yield (

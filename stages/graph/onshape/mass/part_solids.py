@@ -62,9 +62,9 @@ class PartSolids:
         if part_mass and part_mass.inertial.mass > 0:
             body = scaled(part_mass.inertial, 1.0)
         else:
+            # `shapes_of` takes None for a sheet, and 0 for an unknown volume.
             volume: float | None = part_mass.volume if part_mass else 0.0
             if self.assembly.body_types.get(key) == SHEET:
-                # `shape_of` takes None for a sheet.
                 volume = None
             shape = shapes_of(self.bundle, [(key, volume)]).get(key)
             if shape is None:

@@ -19,15 +19,16 @@ class CopySeries:
     images: Mapping[Path, Image]
     """Copy → its relation to its seed; copies whose relation is unknown are left out."""
     unsupported_copies: frozenset[Path]
-    """Copies that no mates or groups of their own support: they get those of their seeds."""
-    rebuilt_copies: frozenset[Path]
+    """Copies that no mates or groups of their own support: they get the mates and groups of their
+    seeds."""
+    bare_mirror_copies: frozenset[Path]
     """Copies that are sub-assemblies of mirror-image parts, without mates and groups of their own: they get
-    those inside their seeds."""
+    the mates and groups inside their seeds."""
     joint_count: int = 0
     """Number of joints of the copies."""
     copies_with_joints: set[Path] = field(default_factory=set)
     """Copies that have such joints."""
-    carried_mates: set[str] = field(default_factory=set)
+    carrying_mate_titles: set[str] = field(default_factory=set)
     """Titles of mates by which a fastened seed carries something: they are not repeated for the copies."""
 
     def counterpart(self, seed: Path, copy: Path, occurrence: Path) -> Path:
@@ -55,6 +56,7 @@ def series_by_seed(
 
     `rigid_assemblies`: the sub-assemblies without inner motion. `planes`: finds the images of seeds.
     """
+    # Assemblies with mates or groups (`supports.Feature`) of their own.
     owners_with_features = {mate.ref.owner for mate in assembly.mates}
     owners_with_features |= {group.owner for group in assembly.groups}
     search = SupportSearch(assembly)
@@ -64,27 +66,30 @@ def series_by_seed(
         images = planes.images(pattern)
         support = search.support(seeds, pattern.owner, rigid_assemblies) if images else Support(pattern.owner)
         supported_copies = _supported_copies(pattern.owner, support.level, images.keys(), seeds, search)
-        unsupported_copies = images.keys() - supported_copies
-        # Only copies that consist of other parts than their seeds have leaves.
-        rebuilt_copies = [
+        unsupported_copies = frozenset(images.keys() - supported_copies)
+        # Only copies that consist of other parts than their seeds have leaves: mirror-image parts.
+        bare_mirror_copies = frozenset(
             copy for copy, image in images.items() if image.leaves and copy not in owners_with_features
-        ]
-        series = CopySeries(
-            pattern, support, images, frozenset(unsupported_copies), frozenset(rebuilt_copies)
         )
+        series = CopySeries(pattern, support, images, unsupported_copies, bare_mirror_copies)
         for seed in seeds:
             by_seed.setdefault(seed, []).append(series)
         if unsupported_copies and support.outer_title:
-            message = (
-                f"{support.inner_title} holds the seed inside its sub-assembly and {support.outer_title} "
-                "from outside: its copies use the inner mate"
-            )
-            hint = (
-                "FASTEN the seed to the part that carries it; or pattern the parts that it carries, too; "
-                "or make the sub-assembly rigid (depth.rigid)"
-            )
-            log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
+            _report_two_levels(pattern, support, log)
     return by_seed
+
+
+def _report_two_levels(pattern: Pattern, support: Support, log: Diagnostics) -> None:
+    """Reports W-PATTERN-LEVEL: mates of two assemblies hold the seed."""
+    message = (
+        f"{support.inner_title} holds the seed inside its sub-assembly and {support.outer_title} from "
+        "outside: the copies use the mate inside"
+    )
+    hint = (
+        "FASTEN the seed to the part that carries it; or pattern the parts that it carries, too; or make the "
+        "sub-assembly rigid (depth.rigid)"
+    )
+    log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
 
 
 def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]:
@@ -105,7 +110,8 @@ def _supported_copies(
     """Returns the copies that mates or groups of their own support. Mates that only join a copy to something
     that it carries do not support it.
 
-    `owner`: the pattern's assembly; `support_level`: the assembly whose mates support the seeds.
+    `owner`: the pattern's assembly; `support_level`: `Support.level`, the assembly whose mates and
+    groups support the seeds.
     """
     members = {*copies, *seeds}
     supported_copies = set()

@@ -161,11 +161,11 @@ class _Copier:
             yield from self._inner_images(owner, feature)
 
     def _inner_images(self, owner: Path, feature: Feature) -> Iterator[_Image]:
-        """Yields the images of a feature of a seed in its rebuilt copies."""
+        """Yields the images of a feature of a seed in its bare mirror copies."""
         for seed in (owner[:depth] for depth in range(1, len(owner) + 1)):
             for series in self.by_seed.get(seed, ()):
                 for number, copy in enumerate(series.pattern.copies[seed]):
-                    if copy in series.rebuilt_copies:
+                    if copy in series.bare_mirror_copies:
                         copies = dict.fromkeys(range(len(feature.occurrences)), (seed, copy))
                         places = self._moved_places(series, feature, copies)
                         if places is not None:
@@ -195,7 +195,7 @@ class _Copier:
         if not target_pairs or any(copy not in series.images for _, copy in copies.values()):
             return None
         if partners and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
-            series.carried_mates.add(feature.title)
+            series.carrying_mate_titles.add(feature.title)
             return None
         moved_places = self._moved_places(series, feature, copies)
         if moved_places is None:
@@ -271,10 +271,10 @@ class _Copier:
         """Reports I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not
         copied."""
         for series in self.series:
-            if series.carried_mates:
+            if series.carrying_mate_titles:
                 message = (
                     f"its seed is fastened, and so are the copies; the mates of the parts "
-                    f"that the seed carries are not copied: {name_list(sorted(series.carried_mates))}"
+                    f"that the seed carries are not copied: {name_list(sorted(series.carrying_mate_titles))}"
                 )
                 hint = "mate the copies themselves to what they carry"
                 self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)

@@ -23,18 +23,18 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model
     # A URDF cannot say that its root floats.
     base_dofs = 0 if robot.base.fixed or compiled.urdf else 6
-    expected = sum(DOFS_OF_TYPE[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + base_dofs
-    expected += compiled.surplus.dofs
-    unexpected = model.nv - expected - _object_dofs(compiled)
+    expected_dofs = sum(DOFS_OF_TYPE[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + base_dofs
+    expected_dofs += compiled.surplus.dofs
+    surplus_dofs = model.nv - expected_dofs - _object_dofs(compiled)
     missing = missing_names(compiled)
     detail = f"{count(len(robot.links), 'link')}, {_count_dofs(model.nv)}"
     if missing:
         detail = f"missing: {', '.join(missing)}"
-    elif unexpected:
-        detail = f"expected {_count_dofs(expected)}, found {model.nv}"
-    passed = not missing and unexpected == 0
-    findings = [_missing_element(compiled, name) for name in missing] or list(_unexpected_joints(compiled))
-    yield compiled.result("links and joints", passed, detail, float(abs(unexpected)), 0.0, few(findings))
+    elif surplus_dofs:
+        detail = f"expected {_count_dofs(expected_dofs)}, found {model.nv}"
+    passed = not missing and surplus_dofs == 0
+    findings = [_missing_element(compiled, name) for name in missing] or list(_joint_findings(compiled))
+    yield compiled.result("links and joints", passed, detail, float(abs(surplus_dofs)), 0.0, few(findings))
     if passed and compiled.path.name != SCENE:
         yield _check_names(compiled)
 
@@ -67,14 +67,15 @@ def _object_dofs(compiled: CompiledModel) -> int:
 
 def _missing_element(compiled: CompiledModel, name: str) -> Finding:
     """Returns the finding on a missing link or joint."""
-    is_link = any(link.name == name for link in compiled.robot.links)
+    is_link = name in {robot_link.name for robot_link in compiled.robot.links}
     element = link(name, compiled.urdf) if is_link else named("joint", name)
     return Finding(element, "name", f"is missing in {compiled.path.name}")
 
 
-def _unexpected_joints(compiled: CompiledModel) -> Iterator[Finding]:
-    """Yields the joints that the robot does not have, among them joints by which it floats although the
-    configuration fixes it. If the robot should float, and no joint lets it, yields that first."""
+def _joint_findings(compiled: CompiledModel) -> Iterator[Finding]:
+    """Yields a finding on each joint that the robot does not have, among them joints by which it floats
+    although the configuration fixes it. If the robot should float, and no joint lets it, yields a finding on
+    that first."""
     model, robot = compiled.model, compiled.robot
     names = {name for name, *_ in joints_of(robot, compiled.urdf)}
     if not compiled.urdf and not robot.base.fixed:

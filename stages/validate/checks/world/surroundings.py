@@ -22,6 +22,7 @@ from linkwright.stages.validate.model.coordinates import CAD_ERROR, ENGINE_TOLER
 from linkwright.stages.validate.model.poses import placed
 
 PLANE = mujoco.mjtGeom.mjGEOM_PLANE
+"""MuJoCo's type of a geom that is a plane."""
 
 OPTIONS = (
     "timestep",
@@ -54,19 +55,21 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if scene is None:
         return
     findings = () if scene.ground is None else few(_ground_differences(compiled, scene.ground))
-    passed = "the ground is where the build put it, with its friction"
+    passed_text = "the ground is where the build put it, with its friction"
     if scene.ground is None:
-        passed = "the build has no ground"
-    yield compiled.within("ground", float(len(findings)), 0.0, _detail(passed, findings), findings)
+        passed_text = "the build has no ground"
+    yield compiled.within("ground", float(len(findings)), 0.0, _detail(passed_text, findings), findings)
     findings = few(_option_differences(compiled, scene))
-    passed = "gravity, medium, time step, integrator and solver are those with which the robot was judged"
-    yield compiled.within("physics", float(len(findings)), 0.0, _detail(passed, findings), findings)
+    passed_text = (
+        "gravity, medium, time step, integrator and solver are those with which the robot was judged"
+    )
+    yield compiled.within("physics", float(len(findings)), 0.0, _detail(passed_text, findings), findings)
 
 
-def _detail(passed: str, findings: tuple[Finding, ...]) -> str:
-    """Returns the text of a check's result: `passed`, or all findings."""
+def _detail(passed_text: str, findings: tuple[Finding, ...]) -> str:
+    """Returns the text of a check's result: `passed_text`, or all findings."""
     if not findings:
-        return passed
+        return passed_text
     return "; ".join(f"{finding.element} {finding.attribute} {finding.message}" for finding in findings)
 
 
@@ -125,8 +128,8 @@ def _height_and_tilt(model: Any, geom: int, ground: Ground) -> tuple[float, floa
 
 
 def _option_differences(compiled: CompiledModel, scene: Scene) -> Iterator[Finding]:
-    """Compares MuJoCo's options and flags with those of the build, unless the user's own XML adds an element
-    with options or flags."""
+    """Compares MuJoCo's options, and the flags that disable something, with those of the build, unless the
+    user's own XML adds an element with options or flags."""
     if any(change.added_tags & {"option", "flag"} for change in compiled.written.amendments.changes):
         return
     options, expected = compiled.model.opt, _expected_options(scene)

@@ -11,7 +11,7 @@ import pytest
 
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.run.build import build
-from linkwright.pipeline.run.preflight import sweep_problems
+from linkwright.pipeline.run.preflight import job_problems
 from linkwright.stages import fetch as stage
 from linkwright.stages.fetch.onshape.asking.variables import expression
 from linkwright.stages.fetch.source import Calls
@@ -366,7 +366,7 @@ def onshape_plan(server, **more):
 
 
 def test_sweeps_and_cacheless_builds_may_not_write(server, tmp_path):
-    problems = {problem.where: problem.message for problem in sweep_problems(onshape_plan(server))}
+    problems = {problem.where: problem.message for problem in job_problems(onshape_plan(server))}
     assert "a sweep must not change the document" in problems["source.variables"]
     plan = onshape_plan(server, cache={"mode": "bypass"}, output=str(tmp_path / "out"))
     with pytest.raises(ConfigError, match="variables cannot be set without the cache"):
