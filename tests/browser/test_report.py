@@ -75,7 +75,7 @@ def test_a_hostile_name_runs_nothing(opened):
     assert complaints(browser) == []
 
 
-def test_the_contents_are_a_line_on_a_laptop_and_folded_on_a_phone_and_the_keyboard_reaches_them(opened):
+def test_contents_fit_laptop_and_phone_and_obey_the_keyboard(opened):
     data = of(random_robot(6))
     links = "[...document.querySelectorAll('.contents a')]"
     seen = f"return {links}.filter(one => one.checkVisibility()).length"
@@ -142,7 +142,7 @@ def test_texts_can_be_read_in_light_and_dark(opened, dark):
     assert worst[0] >= 4.5, worst
 
 
-def test_folded_parts_are_open_on_paper_except_those_left_out_on_purpose(opened):
+def test_folded_parts_are_open_on_paper_unless_left_out(opened):
     browser = opened(build_page("word"))
     browser.cdp("Emulation.setEmulatedMedia", media="print")
     seen = browser.run(

@@ -83,7 +83,7 @@ def shown(browser):
     return set(browser.run(script))
 
 
-def test_the_table_is_sorted_by_any_column_both_ways_and_jobs_without_a_value_are_last(opened):
+def test_table_sorts_by_any_column_with_empty_values_last(opened):
     jobs = many(90)
     browser = opened(jobs)
     choose(browser, "[data-pages] select", "100")
@@ -128,7 +128,7 @@ def test_a_filter_holds_in_all_views(opened):
     assert shown(browser) == set(range(1, 200, 2))
 
 
-def test_a_range_dragged_on_an_axis_is_a_filter_and_a_click_takes_it_away(opened):
+def test_range_dragged_on_an_axis_filters_until_a_click(opened):
     browser = opened(many(200))
     browser.run("document.querySelector('[data-parallel]').scrollIntoView({block: 'center'})")
     left, top, height = browser.run(
@@ -222,7 +222,7 @@ def test_the_pareto_front_is_that_of_brute_force(opened):
         assert sorted(front) == expected
 
 
-def test_the_front_is_that_of_the_shown_jobs_and_may_be_all_that_is_shown(opened):
+def test_front_is_that_of_the_shown_jobs_and_may_stand_alone(opened):
     jobs = many(300)
     browser = opened(jobs)
     browser.run("document.querySelector('[data-states] input[value=unmet]').click()")

@@ -77,7 +77,7 @@ def test_an_empty_assembly_is_one_message(tmp_path):
     over_http(tmp_path, small(how={"suppressed": True}), "the assembly is empty")
 
 
-def test_a_failed_build_reports_what_it_cost_what_it_read_and_where_its_report_is(tmp_path):
+def test_failed_build_reports_its_calls_files_and_report(tmp_path):
     url, message = over_http(tmp_path, small(arm=True), "no mates", "FASTENED")
     lines = [line.strip() for line in message.splitlines()]
     assert "3 API calls made, 0 saved by the cache; 3 counted for this key this year" in lines

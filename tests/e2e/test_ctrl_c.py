@@ -77,7 +77,7 @@ def seconds(tries, line):
     ],
     ids=["cached", "cold", "sweep"],
 )
-def test_at_random_moments_it_ends_with_130_or_the_build_is_finished_and_says_so(tmp_path, line, cold, count):
+def test_interrupt_at_a_random_moment_ends_or_finishes_the_build(tmp_path, line, cold, count):
     seed = random.Random(str(line))
     longest = seconds(Tries(tmp_path / "first"), line)
     if not cold:

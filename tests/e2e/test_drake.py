@@ -96,7 +96,7 @@ def dropping():
     return robot_with(rows, relations=[Relation("Gear", "gear_joint", "arm_joint", 0.5, 0.1)])
 
 
-def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(python, tmp_path):
+def test_table_of_readers_has_what_drake_refuses_or_drops(python, tmp_path):
     """The rows of `stages/targets/readers.py`, as measured again."""
     for kind in ("stl", "obj"):
         folder = tmp_path / kind

@@ -120,7 +120,7 @@ def test_a_robot_is_built_and_a_change_is_posted(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_document_that_cannot_be_built_fails_and_leaves_the_last_build(tmp_path):
+def test_document_without_a_build_fails_and_keeps_the_last(tmp_path):
     before = document()
     with OnshapeServer(before) as server:
         runner = Runner(tmp_path, server)

@@ -141,7 +141,7 @@ sys.exit(run(sys.argv[1:], build))
 
 
 @pytest.mark.parametrize("hydra", ["1.3"])
-def test_on_slurm_a_killed_job_fails_alone_and_a_preempted_job_runs_again(tmp_path, fresh):
+def test_slurm_job_fails_alone_if_killed_and_reruns_if_preempted(tmp_path, fresh):
     if reason := slurm.missing():
         pytest.skip(reason)
     script = tmp_path / "troubled.py"

@@ -25,7 +25,7 @@ def scene(folder, world, more="", **keys):
     return mujoco.MjModel.from_xml_path(str(folder / "out/scene.xml"))
 
 
-def test_cameras_and_lights_of_the_configuration_replace_those_of_the_file(tmp_path):
+def test_configured_cameras_and_lights_replace_those_of_the_file(tmp_path):
     cameras = {"front": {"xyz": [1, 2, 3]}, "wrist": {"frame": "palm", "fovy": 50}}
     lights = {"sun": {"kind": "spot", "xyz": [0, 0, 9]}, "lamp": {"kind": "none"}}
     made = scene(tmp_path, LOOSE, scene={"cameras": cameras, "lights": lights})
@@ -35,7 +35,7 @@ def test_cameras_and_lights_of_the_configuration_replace_those_of_the_file(tmp_p
     assert made.nlight == 1
 
 
-def test_the_surroundings_of_the_file_are_left_out_where_that_is_asked(tmp_path):
+def test_surroundings_of_the_file_are_left_out_if_asked(tmp_path):
     keys = {"scene": {"surroundings": "drop"}, "ground": {"kind": "plane"}}
     made = scene(tmp_path, *CASES["loose"], **keys)
     assert [made.body(body).name for body in range(made.nbody)] == ["world", "arm"]
@@ -98,7 +98,7 @@ def test_the_presets_keep_the_bodies_of_an_mjcf(tmp_path):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_robot_json_has_all_by_which_the_files_are_checked_and_survives_the_cache(case, tmp_path):
+def test_robot_json_has_all_that_checks_need_also_from_the_cache(case, tmp_path):
     built(written(tmp_path, model(*CASES[case])), tmp_path / "out")
     truth = described((tmp_path / "out/robot.json").read_bytes())
     assert truth.written.robot.mjcf is not None

@@ -92,7 +92,7 @@ ARM = model(body("base", BALL + body("arm", BALL + '<joint name="elbow" range="-
 
 
 @pytest.mark.slow
-def test_a_bundle_of_an_mjcf_builds_the_same_bytes_elsewhere_and_again(tmp_path):
+def test_bundle_of_an_mjcf_builds_the_same_bytes_elsewhere(tmp_path):
     (tmp_path / "mine").mkdir()
     written(tmp_path / "mine", ARM, "arm.xml")
     linkwright(tmp_path, *from_file("mine/arm.xml"), status=0)
@@ -106,7 +106,7 @@ def test_a_bundle_of_an_mjcf_builds_the_same_bytes_elsewhere_and_again(tmp_path)
     assert robot_files(tmp_path / "away" / "outputs" / "arm") == first
 
 
-def test_a_scene_is_named_after_its_folder_and_a_changed_file_is_read_again(tmp_path):
+def test_scene_is_named_after_its_folder_and_read_when_changed(tmp_path):
     (tmp_path / "gripper").mkdir()
     for text in (ARM, ARM.replace("-1 1", "-2 1")):
         written(tmp_path / "gripper", text, "scene.xml")

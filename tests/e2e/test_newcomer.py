@@ -96,7 +96,7 @@ class Newcomer(Session):
         return made("python", "-c", code, cwd=self.here, env=self.environ)
 
 
-def test_a_newcomer_comes_from_nothing_to_a_robot_that_stands_and_moves(tmp_path, shared_cache, wheel):
+def test_newcomer_gets_from_nothing_to_a_robot_that_moves(tmp_path, shared_cache, wheel):
     with Newcomer(tmp_path, shared_cache, wheel) as newcomer:
         output = newcomer.install()
         assert re.search(r"^(\d+) of \1 checks passed\nsample: outputs/sample ", output, re.MULTILINE)

@@ -146,7 +146,7 @@ def pip(*arguments):
     assert done.returncode == 0, done.stderr
 
 
-def test_pip_installs_the_robot_and_both_engines_load_it_from_anywhere(sample, tmp_path):
+def test_robot_package_installs_and_loads_in_both_engines(sample, tmp_path):
     before, site = sorted(sample.rglob("*")), tmp_path / "site"
     pip("install", *OFFLINE, "--target", site, sample / "python")
     assert sorted(sample.rglob("*")) == before

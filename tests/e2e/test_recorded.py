@@ -71,7 +71,7 @@ def built(name, here, **keys):
     return plan
 
 
-def test_it_has_twenty_joints_and_a_fixed_base_and_reports_what_was_not_recorded(kbot):
+def test_recording_has_twenty_joints_and_reports_what_it_lacks(kbot):
     folder, robot = kbot
     assert (len(robot.joints), len(robot.links), robot.loops, robot.base.fixed) == (20, 21, (), True)
     codes = [diagnostic["code"] for diagnostic in report_of(folder)["diagnostics"]]
@@ -155,7 +155,7 @@ def test_a_recorded_assembly_builds_whichever_way(name, way, tmp_path):
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", ASSEMBLIES)
-def test_two_engines_agree_with_the_recorded_poses_and_with_each_other(name, way, tmp_path):
+def test_engines_agree_with_recorded_poses_and_each_other(name, way, tmp_path):
     """At the saved values every part is where it was recorded; at random ones, where the other engine
     has it."""
     robot = recorded(name, **WAYS[way])
@@ -241,7 +241,7 @@ def test_a_recorded_sub_assembly_used_twice_has_a_joint_in_each_place():
     assert degrees(robot) == dict.fromkeys(names, 0) | turned
 
 
-def test_unconnected_parts_are_reported_with_the_mates_that_did_not_count():
+def test_unconnected_parts_are_reported_with_their_ignored_mates():
     with pytest.raises(Disconnected) as caught:
         recorded("nb", conventions="onshape_to_robot")
     shown = [problem for problem in caught.value.problems if problem.code == "W-PEER-MATE"]

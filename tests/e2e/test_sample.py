@@ -32,7 +32,7 @@ def plain(tmp_path_factory):
     return robot_files(here / "outputs" / "sample")
 
 
-def test_without_arguments_the_sample_is_built_and_passes_all_its_checks(built):
+def test_sample_is_built_without_arguments_and_passes_its_checks(built):
     """Also those that only warn: the fingers stop where their pads meet."""
     folder = built / "outputs" / "sample"
     report = report_of(folder)
@@ -113,7 +113,7 @@ def test_killed_at_any_moment_the_next_build_is_whole(plain, tmp_path, kills):
 
 
 @pytest.mark.slow
-def test_what_the_user_put_into_the_output_is_kept_or_stops_the_next_build(tmp_path):
+def test_users_files_in_the_output_are_kept_or_stop_the_build(tmp_path):
     linkwright(tmp_path, status=0)
     folder = tmp_path / "outputs" / "sample"
     (folder / "NOTES.md").write_text("mine")

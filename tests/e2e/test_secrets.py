@@ -226,7 +226,7 @@ def test_a_cached_robot_is_not_handed_out_with_a_key_that_it_holds(tmp_path):
 
 
 @pytest.mark.parametrize("key", ["name", "output", "cache.dir", "names.links.base_plate"])
-def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_path, key):
+def test_key_from_an_interpolation_is_refused_without_a_trace(tmp_path, key):
     environ = environment(tmp_path, seeded=False, **KEY)
     done = called(
         tmp_path, "robot=sample", f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}", environ=environ, status=2

@@ -48,7 +48,7 @@ def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here):
     assert not [data for data in written if str(here).encode() in data]
 
 
-def test_an_unchanged_file_is_cached_without_a_heavy_import_and_changed_files_are_not(here):
+def test_unchanged_file_is_cached_without_heavy_imports(here):
     called(here, *source(), status=0)
     code = (
         "import sys; from linkwright.pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"

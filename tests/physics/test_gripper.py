@@ -179,7 +179,7 @@ def test_the_fingers_meet_when_the_gripper_closes_on_nothing(built):
 
 
 @pytest.mark.slow
-def test_the_fingers_meet_when_the_gripper_closes_on_nothing_and_their_gears_never_do(by_part):
+def test_fingers_of_a_closing_gripper_meet_and_gears_never_do(by_part):
     """The gears overlap by 1.9 mm."""
     spec, model, data = over_nothing(by_part)
     gears, pads = geoms_of(by_part, "Finger gear"), geoms_of(by_part, "Finger pad")

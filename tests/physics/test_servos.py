@@ -68,7 +68,7 @@ def warnings(data):
     return [number for number in data.warning.number.tolist() if number]
 
 
-def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(model, request):
+def test_robot_without_overlaps_holds_home_for_five_seconds(model, request):
     data = at_home(model)
     assert [contact for contact in data.contact if contact.dist < -DEEPEST] == []
     home = data.qpos.copy()

@@ -65,7 +65,7 @@ def test_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
     assert failures(robot, geometry, tmp_path) == []
 
 
-def test_pairs_that_touch_as_reported_are_counted_if_the_geometry_is_known(tmp_path):
+def test_reported_pairs_are_counted_if_the_geometry_is_known(tmp_path):
     robot = closed_gripper()
     geometry = geometry_of(robot)
     write(robot, tmp_path, geometry=geometry)
