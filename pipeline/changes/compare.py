@@ -184,7 +184,7 @@ def _order_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: N
     """Yields tables of a file whose rows are the same in another order, which would mix up a controller's
     arrays."""
     old, new = before.get("order") or {}, after.get("order") or {}
-    for file in old.keys() & new.keys():
+    for file in (file for file in new if file in old):
         for table in sorted(old[file].keys() & new[file].keys()):
             earlier = [names.joints.get(row["name"], row["name"]) for row in old[file][table]]
             later = [row["name"] for row in new[file][table]]

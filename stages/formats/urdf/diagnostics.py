@@ -24,6 +24,7 @@ HINTS = {
     "W-URDF-COLOUR": "give red, green, blue and alpha from 0 to 1",
     "W-URDF-INERTIAL": "complete the <inertial>, or remove it",
     "W-URDF-MATERIAL": "define each material once, with a unique name",
+    "W-URDF-MORE": "correct these first",
     "W-URDF-SHAPE": "give it a box, cylinder, sphere, capsule or mesh with an extent, or remove it",
     "W-URDF-TWICE": "remove the others",
 }
@@ -38,6 +39,7 @@ class FileDiagnostics:
         self._errors: list[tuple[int, Diagnostic]] = []
         self._others: list[tuple[int, Diagnostic]] = []
         self._omitted_errors = 0
+        self._omitted_warnings = 0
         self._left_out_counts: dict[str, int] = {}
         self._unknown: dict[str, list[int]] = {}
 
@@ -49,6 +51,8 @@ class FileDiagnostics:
             entries.append((line, Diagnostic(code, message, self._place(line), hint or HINTS.get(code, ""))))
         elif entries is self._errors:
             self._omitted_errors += 1
+        else:
+            self._omitted_warnings += 1
 
     def _place(self, line: int) -> str:
         return f"{self._where}, line {line}"
@@ -76,12 +80,16 @@ class FileDiagnostics:
                 self.leave_out_unknown(f'{name}="" of <{tag(element)}>', element)
 
     def collected(self) -> tuple[Diagnostic, ...]:
-        """Returns all diagnostics, at most fifty of each level: errors first, then the others, each by line;
-        the elements left out come last."""
+        """Returns the first fifty errors, then the first fifty warnings, each by line, then the elements left
+        out. What is beyond fifty is counted."""
         errors, remarks = (_by_line(entries) for entries in (self._errors, self._others))
         if self._omitted_errors:
             text = f"and {self._omitted_errors} more errors"
             errors.append(Diagnostic("E-URDF-MORE", text, self._where, HINTS["E-URDF-MORE"]))
+        omitted_warnings = self._omitted_warnings + max(0, len(self._unknown) - _MAX_SHOWN)
+        if omitted_warnings:
+            text = f"and {omitted_warnings} more warnings"
+            remarks.append(Diagnostic("W-URDF-MORE", text, self._where, HINTS["W-URDF-MORE"]))
         return (*errors, *remarks, *self._left_out())
 
     def _left_out(self) -> list[Diagnostic]:

@@ -210,10 +210,16 @@ def test_all_faults_are_reported_at_once_in_order_of_lines():
     assert errors == ["E-URDF-TYPE", "E-URDF-NUMBER", "E-URDF-NAME"]
 
 
-def test_errors_beyond_fifty_are_counted():
+def test_errors_and_warnings_beyond_fifty_are_counted():
     errors = [problem for problem in read("<link/>" * 1000).diagnostics if problem.level == "error"]
     assert len(errors) == 51
     assert errors[-1].message == "and 950 more errors"
+    links = "".join(f'<link name="{n}"><inertial/></link>' for n in range(60))
+    unknown = "".join(f"<thing_{n}/>" for n in range(53))
+    warnings = read(links + unknown).diagnostics
+    assert len(warnings) == 50 + 1 + 50
+    (more,) = (problem.message for problem in warnings if problem.code == "W-URDF-MORE")
+    assert more == "and 13 more warnings"
 
 
 def test_transmissions_of_all_styles_are_read():

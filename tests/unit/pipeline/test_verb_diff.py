@@ -219,6 +219,15 @@ def test_another_order_of_the_arrays_is_a_difference(robot):
     assert f"{', '.join(names)} → {', '.join(reversed(names))}" in text
 
 
+def test_changed_orders_are_listed_in_the_order_of_robot_json(robot):
+    tables = robot["order"]["mjcf"]
+    robot["order"], after = {}, copy.deepcopy(robot)
+    for file in "hgfedcba":
+        robot["order"][file] = tables
+        after["order"][file] = {**tables, "actuators": tables["actuators"][::-1]}
+    assert "".join(change.name for change in compare(robot, after)) == "hgfedcba"
+
+
 def test_text_says_that_only_robot_json_is_compared(folder, robot, tmp_path, capsys):
     file = str(saved(robot, tmp_path / "one.json"))
     for places, shown in (((folder, folder), True), ((folder, file), True), ((file, file), False)):
