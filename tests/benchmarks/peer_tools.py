@@ -47,7 +47,7 @@ class Tool:
     name: str
     command: Callable[[OnshapeServer, Path, str], Command]
 
-    def build(self, server: OnshapeServer, here: Path, kind: str) -> Path:
+    def build(self, server, here, kind):
         """Runs the tool, and returns the file that it wrote; RuntimeError where it wrote none."""
         command, environ, path = self.command(server, here, kind)
         done = run_in(here, *command, environ=environ, timeout=3600)
@@ -98,7 +98,7 @@ def toolkit(python):
     return command
 
 
-def tools(folder: Path) -> list[Tool]:
+def tools(folder):
     """All three; those of others are installed below the folder, unless ONSHAPE_TO_ROBOT names a command, and
     ONSHAPE_ROBOTICS_TOOLKIT a Python that has the package."""
     program = os.environ.get("ONSHAPE_TO_ROBOT") or str(install(folder / "to_robot"))
@@ -112,7 +112,7 @@ def tools(folder: Path) -> list[Tool]:
     ]
 
 
-def install(folder: Path) -> Path:
+def install(folder):
     """Installs onshape-to-robot from the package index into its own environment; returns its command."""
     return _environment(folder, ONSHAPE_TO_ROBOT) / "onshape-to-robot"
 

@@ -94,17 +94,17 @@ SLIDER_CRANK = """
 
 
 @cache
-def model_of(xml: str):
+def model_of(xml):
     return mujoco.MjModel.from_xml_string(xml)
 
 
 @cache
-def small_pack(xml: str) -> bytes:
+def small_pack(xml):
     """With the engine's own copy, the same text."""
     return packed(pack_of(model_of(xml), xml))
 
 
-def chain(links: int) -> str:
+def chain(links):
     """A chain of links side by side, each with a box and a collider."""
     body = '<geom type="box" size=".02 .02 .04" group="2" contype="0" conaffinity="0" mass=".01"/>'
     body += '<geom type="capsule" size=".015 .03" group="3" mass=".01"/>'
@@ -119,7 +119,7 @@ def chain(links: int) -> str:
     )
 
 
-def renamed(xml: str, name: str) -> str:
+def renamed(xml, name):
     """With a name of a user's making in the place of the first body's."""
     escaped = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
     return re.sub(r'body name="\w+"', lambda _: f'body name="{escaped}"', xml, count=1)
@@ -168,7 +168,7 @@ CARRIED = (
 """The same, by actuators whose control is the speed of a target, which is a state."""
 
 
-def sphere(triangles: int) -> str:
+def sphere(triangles):
     """A ball of one mesh with about so many triangles."""
     rows = round((triangles / 4) ** 0.5)
     turns, rises = np.linspace(0, 2 * np.pi, 2 * rows, endpoint=False), np.linspace(0, np.pi, rows + 1)[1:-1]

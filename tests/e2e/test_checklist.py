@@ -34,7 +34,7 @@ SETTLED = {"reachy2": [f"contact.exclude=[{SHOULDERS}]"]}
 """The findings of a build that are settled as it says: as one hull each, these two overlap at home."""
 
 
-def built(name: str, folder: Path, cache: Path) -> Built:
+def built(name, folder, cache):
     mass: float | None = None
     if name in DOCUMENTS:
         mass, typed = DOCUMENTS[name]().truth.total_mass(), [f"robot={name}"]

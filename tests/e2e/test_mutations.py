@@ -36,7 +36,7 @@ def builds(tmp_path_factory):
     """The two builds, each made when it is first asked for."""
     made: dict[str, Build] = {}
 
-    def get(name: str) -> Build:
+    def get(name):
         if name not in made:
             made[name] = BUILDS[name](tmp_path_factory.mktemp(name) / "build")
         return made[name]
@@ -124,13 +124,13 @@ def test_the_table_of_the_docs_is_true():
     assert MUTATIONS.read_text(encoding="utf-8") == page.markdown(), "run: python -m tests.config.regenerate"
 
 
-def commented(root: etree._Element, rng: random.Random) -> None:
+def commented(root, rng):
     for node in rng.sample(list(root.iter("*")), 5):
         if node.getparent() is not None:
             node.addprevious(etree.Comment(" looked at "))
 
 
-def reordered(root: etree._Element, rng: random.Random) -> None:
+def reordered(root, rng):
     for node in root.iter("*"):
         items = list(node.attrib.items())
         rng.shuffle(items)
@@ -138,7 +138,7 @@ def reordered(root: etree._Element, rng: random.Random) -> None:
         node.attrib.update(items)
 
 
-def painted(root: etree._Element, _: random.Random) -> None:
+def painted(root, _):
     """Other names of materials."""
     for node in root.iter("*"):
         for key in ("material", "name") if node.tag == "material" else ("material",):
@@ -146,14 +146,14 @@ def painted(root: etree._Element, _: random.Random) -> None:
                 node.set(key, f"paint_{node.get(key)}")
 
 
-def spread(root: etree._Element, rng: random.Random) -> None:
+def spread(root, rng):
     for node in root.iter("*"):
         node.tail = (node.tail or "") + rng.choice(("\n", "\t ", "  \n\n"))
         if len(node):
             node.text = (node.text or "") + "\n   "
 
 
-def rewritten(root: etree._Element, rng: random.Random) -> None:
+def rewritten(root, rng):
     """Other digits for the same numbers."""
     for node in root.iter("*"):
         for key, value in node.attrib.items():
@@ -163,7 +163,7 @@ def rewritten(root: etree._Element, rng: random.Random) -> None:
             node.text = redrawn(node.text or "", rng)
 
 
-def redrawn(text: str, rng: random.Random) -> str:
+def redrawn(text, rng):
     try:
         numbers = [float(word) for word in text.split()]
     except ValueError:
@@ -183,7 +183,7 @@ HARMLESS = {
 
 
 @functools.cache
-def warned(folder: Path) -> frozenset[str]:
+def warned(folder):
     """The checks that warn of a build as it was made."""
     return frozenset(check.name for check in checks_of(folder) if check.warns)
 
@@ -241,7 +241,7 @@ def test_what_is_put_beside_the_robot_raises_no_alarm(thing, name, builds, tmp_p
 
 
 @functools.cache
-def odd(folder: Path) -> frozenset[tuple[str, str]]:
+def odd(folder):
     """(name, code) of the checks that a folder does not pass."""
     return frozenset((check.name, check.code) for check in checks_of(folder) if not check.passed)
 

@@ -35,7 +35,7 @@ def names(folder):
         yield namespace
 
 
-def compiled(folder, file, number):
+def compiled_variant(folder, file, number):
     """The scene compiled with a variant's values in its elements: no field of a model is set."""
     spec = mujoco.MjSpec.from_file(str(folder / "scene.xml"))
     geoms = {}
@@ -81,7 +81,10 @@ def test_a_variant_is_what_mujoco_compiles_of_its_values(folder, names):
     for field in lacking:
         file[field] = np.repeat(getattr(names["model"], field)[None], N, axis=0)
     for number in (0, N - 1):
-        made, expected = names["variant"](names["model"], file, number), compiled(folder, file, number)
+        made, expected = (
+            names["variant"](names["model"], file, number),
+            compiled_variant(folder, file, number),
+        )
         for field in ("body_mass", "body_subtreemass", "dof_invweight0", "dof_M0", "geom_friction"):
             assert np.allclose(getattr(made, field), getattr(expected, field), rtol=1e-9, atol=1e-12), field
         assert np.abs(motion(made) - motion(expected)).max() < 1e-9

@@ -12,13 +12,12 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from tests.engines.builds import built, is_here
-from tests.engines.table import ENGINES, LACKS, ROBOTS, Engine
+from tests.engines.table import ENGINES, LACKS, ROBOTS
 
 HERE = Path(__file__).parent
 
@@ -38,10 +37,10 @@ class Row:
     why: str
 
     @property
-    def wrong(self) -> bool:
+    def wrong(self):
         return not (self.holds or self.why)
 
-    def __str__(self) -> str:
+    def __str__(self):
         off = "-" if self.off is None else f"{self.off:.1e}"
         end = "holds" if self.holds else "DOES NOT HOLD" if self.wrong else "does not hold"
         if self.holds and self.why:
@@ -51,7 +50,7 @@ class Row:
         return f"{start}: {told}" if told else start
 
 
-def main(given: Sequence[str] | None = None) -> int:
+def main(given=None):
     parser = argparse.ArgumentParser(prog="python -m tests.engines", description=__doc__)
     names = [engine.name for engine in ENGINES]
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(names)}; all without any")
@@ -73,7 +72,7 @@ def main(given: Sequence[str] | None = None) -> int:
     return 1 if wrong else 0
 
 
-def _measured(engines: Sequence[Engine], robots: Sequence[str], home: Path, builds: Path) -> Iterator[Row]:
+def _measured(engines, robots, home, builds):
     for engine in engines:
         if engine.python and f"{sys.version_info.major}.{sys.version_info.minor}" != engine.python:
             print(f"{engine.name}: skipped, it has wheels for Python {engine.python} only", flush=True)
@@ -89,7 +88,7 @@ def _measured(engines: Sequence[Engine], robots: Sequence[str], home: Path, buil
                 yield row
 
 
-def environment(engine: Engine, home: Path) -> Path:
+def environment(engine, home):
     """The Python of its environment, which is made where it lacks."""
     folder = home / engine.name
     python = folder / "bin" / "python"
@@ -100,7 +99,7 @@ def environment(engine: Engine, home: Path) -> Path:
     return python
 
 
-def driven(engine: Engine, python: Path, robot: str, folder: Path) -> list[Row]:
+def driven(engine, python, robot, folder):
     """What its driver measured; one row of what went wrong where it ended otherwise."""
     out = folder / f"{engine.name}.json"
     out.unlink(missing_ok=True)
@@ -119,7 +118,7 @@ def driven(engine: Engine, python: Path, robot: str, folder: Path) -> list[Row]:
     return [_row(engine, found["version"], robot, row) for row in found["rows"]]
 
 
-def _row(engine: Engine, version: str, robot: str, row: dict) -> Row:
+def _row(engine, version, robot, row):
     place = engine.name, robot, row["format"], row["thing"]
     why = next((lack.why for lack in LACKS if lack.of(place)), "")
     return Row(engine.name, version, robot, **row, why=why)

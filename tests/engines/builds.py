@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from tests.engines.humanoid import humanoid
@@ -27,11 +27,11 @@ TOLD: Mapping[str, tuple[str, ...]] = {
 """Overrides of a robot, besides those of where it comes from."""
 
 
-def is_here(robot: str) -> bool:
+def is_here(robot):
     return other_robots.is_here(robot)
 
 
-def built(robot: str, keys: Sequence[str], builds: Path) -> Path:
+def built(robot, keys, builds):
     """The folder of the robot, built with these overrides where it is not there; its `reference.json` is
     what MuJoCo makes of it."""
     above = builds / "-".join([robot, *(key.replace("=", "_") for key in keys)])

@@ -1,7 +1,5 @@
 """MJCF and URDF in another MuJoCo: statics to 1e-9, a second of motion, five seconds of servos."""
 
-from pathlib import Path
-
 import mujoco
 import numpy as np
 import reference as own
@@ -11,7 +9,7 @@ EXACT = 1e-9
 """The tolerance of masses, mass matrices and biases, as a share."""
 
 
-def main(folder: Path, reference, rows):
+def main(folder, reference, rows):
     files = reference["files"]
     readers = {
         "mjcf": lambda: own.held(folder / files["mjcf"]),

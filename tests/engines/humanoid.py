@@ -10,7 +10,7 @@ Size = tuple[float, ...]
 """The size of a box (x, y, z), a cylinder (radius, length) or a ball (radius), in m."""
 
 
-def humanoid() -> str:
+def humanoid():
     parts = [_link("pelvis", (0.16, 0.26, 0.14))]
     parts += _limb("pelvis", "waist", "torso", (0, 0, 0.07), "z", (0.16, 0.28, 0.36), (0, 0, 0.2), 1.0)
     parts += _limb("torso", "neck", "head", (0, 0, 0.38), "z", (0.09,), (0, 0, 0.12), 1.2)
@@ -18,7 +18,7 @@ def humanoid() -> str:
     return f'<robot name="humanoid">\n{"".join(parts)}</robot>\n'
 
 
-def _arm(side: str, left: int) -> list[str]:
+def _arm(side, left):
     upper, lower = f"{side}_upper_arm", f"{side}_forearm"
     shoulder = (0, left * 0.2, 0.32)
     return [
@@ -37,7 +37,7 @@ def _arm(side: str, left: int) -> list[str]:
     ]
 
 
-def _leg(side: str, left: int) -> list[str]:
+def _leg(side, left):
     yaw, hip, thigh, shank, ankle, foot = (
         f"{side}_{name}" for name in ("hip_yaw_link", "hip", "thigh", "shank", "ankle", "foot")
     )
@@ -52,9 +52,7 @@ def _leg(side: str, left: int) -> list[str]:
     ]
 
 
-def _limb(
-    parent: str, joint: str, link: str, place: Size, axis: str, size: Size, center: Size, reach: float
-) -> list[str]:
+def _limb(parent, joint, link, place, axis, size, center, reach):
     """A link and the turn to it, which goes `reach` [rad] to both sides. `center`: of its solid."""
     turn = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}[axis]
     return [
@@ -66,7 +64,7 @@ def _limb(
     ]
 
 
-def _link(name: str, size: Size, center: Size = (0, 0, 0)) -> str:
+def _link(name, size, center=(0, 0, 0)):
     shape, mass, inertia = _solid(size)
     origin = f'<origin xyz="{_text(center)}"/>'
     ixx, iyy, izz = (f"{mass * moment:.9g}" for moment in inertia)
@@ -78,7 +76,7 @@ def _link(name: str, size: Size, center: Size = (0, 0, 0)) -> str:
     )
 
 
-def _solid(size: Size) -> tuple[str, float, Size]:
+def _solid(size):
     """Its element, its mass and its moments for each kg."""
     if len(size) == 3:
         x, y, z = (side**2 / 12 for side in size)
@@ -94,5 +92,5 @@ def _solid(size: Size) -> tuple[str, float, Size]:
     return f'<sphere radius="{radius}"/>', mass, (0.4 * radius**2,) * 3
 
 
-def _text(numbers: Size) -> str:
+def _text(numbers):
     return " ".join(f"{number:g}" for number in numbers)

@@ -5,7 +5,6 @@ lowest point is below the hips' axes.
 """
 
 import math
-from pathlib import Path
 
 from tests.fake_onshape import solids
 from tests.fake_onshape.bundle import write_robot
@@ -38,7 +37,7 @@ def roll(x=0.0, y=0.0, z=0.0):
     return frame((x, y, z), x=(0, 1, 0), z=(1, 0, 0))
 
 
-def quadruped_document() -> Document:
+def quadruped_document():
     """18 parts, 12 joints: abduction, hip and knee of each leg; feet are fastened. An IMU's connector."""
     document = Document("Quadruped")
     studio = document.studio("Body")
@@ -84,7 +83,7 @@ joints:
 """A robot's file; the bundle is where the command runs."""
 
 
-def write_quadruped(folder: Path) -> Document:
+def write_quadruped(folder):
     """Writes the document's bundle and the robot `boxes`, as a user has them."""
     document = quadruped_document()
     write_robot(folder, "boxes", document, YAML)

@@ -6,9 +6,6 @@ Poses of links are 4x4, in the root link.
 """
 
 import json
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -48,7 +45,7 @@ LEFT_OUT = (
 """What a bare tree lacks: each engine has its own laws of contact, limits and dry friction."""
 
 
-def reference(folder: Path) -> dict[str, Any]:
+def reference(folder):
     """The reference of the robot in this folder, whose files are named after it."""
     name = json.loads((folder / "robot.json").read_text())["name"]
     scene = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
@@ -65,7 +62,7 @@ def reference(folder: Path) -> dict[str, Any]:
     }
 
 
-def held(path: Path) -> Any:
+def held(path):
     """The model with its base held: without free joints."""
     spec = mujoco.MjSpec.from_file(str(path))
     for joint in spec.joints:
@@ -76,14 +73,14 @@ def held(path: Path) -> Any:
     return spec.compile()
 
 
-def with_links(path: Path) -> Any:
+def with_links(path):
     """The URDF, whose fixed joints are kept."""
     spec = mujoco.MjSpec.from_file(str(path))
     spec.compiler.fusestatic = False
     return spec.compile()
 
 
-def tree(model: Any) -> dict[str, Any]:
+def tree(model):
     """Masses, poses, mass matrices and biases at seeded poses, and the motion of the bare tree."""
     rng = np.random.default_rng(0)
     drawn = [model.qpos0.copy(), *(_drawn(model, rng) for _ in range(POSES))]
@@ -96,7 +93,7 @@ def tree(model: Any) -> dict[str, Any]:
     }
 
 
-def _drawn(model: Any, rng: np.random.Generator) -> Any:
+def _drawn(model, rng):
     """Values of all joints [m, rad], small enough for each; balls turned about a seeded axis."""
     q = model.qpos0.copy()
     for joint in range(model.njnt):
@@ -109,7 +106,7 @@ def _drawn(model: Any, rng: np.random.Generator) -> Any:
     return q
 
 
-def at_rest(model: Any, q: Any) -> dict[str, Any]:
+def at_rest(model, q):
     data = mujoco.MjData(model)
     data.qpos[:] = q
     # The bias has speeds in it too.
@@ -124,7 +121,7 @@ def at_rest(model: Any, q: Any) -> dict[str, Any]:
     }
 
 
-def links_of(model: Any, data: Any) -> dict[str, Any]:
+def links_of(model, data):
     """root_from_link of each body."""
     made = {}
     root = _pose(data, 1)
@@ -133,13 +130,13 @@ def links_of(model: Any, data: Any) -> dict[str, Any]:
     return made
 
 
-def _pose(data: Any, body: int) -> Any:
+def _pose(data, body):
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = data.xmat[body].reshape(3, 3), data.xpos[body]
     return pose
 
 
-def mass_matrix(model: Any, data: Any) -> list[list[float]]:
+def mass_matrix(model, data):
     """By products with unit vectors, which every version has alike."""
     full = np.zeros((model.nv, model.nv))
     for column, unit in enumerate(np.eye(model.nv)):
@@ -147,7 +144,7 @@ def mass_matrix(model: Any, data: Any) -> list[list[float]]:
     return full.tolist()
 
 
-def bare_motion(model: Any, q: Any) -> dict[str, Any]:
+def bare_motion(model, q):
     """The tree that falls from rest at half of these values: gravity, inertia and damping alone. `clear`: how
     many of the values come before a start that is `NEAR` it goes its own way."""
     model.opt.disableflags |= int(LEFT_OUT)
@@ -165,13 +162,13 @@ def bare_motion(model: Any, q: Any) -> dict[str, Any]:
     return {"start": start, "seconds": SECONDS, "qpos": runs[0], "clear": clear}
 
 
-def _difference(model: Any, q: Any) -> Any:
+def _difference(model, q):
     found = np.zeros(model.nv)
     mujoco.mj_differentiatePos(model, found, 1.0, model.qpos0, q)
     return found
 
 
-def scene_motion(model: Any, push: float) -> dict[str, Any]:
+def scene_motion(model, push):
     """From `home` under its controls, which are moved by `push`."""
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -190,7 +187,7 @@ def scene_motion(model: Any, push: float) -> dict[str, Any]:
     }
 
 
-def pushed(model: Any, controls: Any, push: float) -> Any:
+def pushed(model, controls, push):
     """The controls, each moved up or down, within its range."""
     sign = np.random.default_rng(3).choice((-1.0, 1.0), model.nu)
     low, high = model.actuator_ctrlrange.T
@@ -198,7 +195,7 @@ def pushed(model: Any, controls: Any, push: float) -> Any:
     return np.clip(controls + sign * np.minimum(moves, RANGE * (high - low)), low, high)
 
 
-def _move(model: Any, actuator: int, push: float) -> float:
+def _move(model, actuator, push):
     """What makes that share of the force; infinite where nothing limits it."""
     joint = model.actuator_trnid[actuator][0]
     gear, gain = abs(model.actuator_gear[actuator][0]), abs(model.actuator_gainprm[actuator][0])
@@ -207,7 +204,7 @@ def _move(model: Any, actuator: int, push: float) -> float:
     return float(push * min(limits, default=np.inf) / (gain * gear)) if push else 0.0
 
 
-def _run(model: Any, data: Any, steps: int, samples: int) -> list[Sequence[float]]:
+def _run(model, data, steps, samples):
     made = []
     for step in range(1, steps + 1):
         mujoco.mj_step(model, data)

@@ -54,7 +54,7 @@ class Lack:
     thing: str
     why: str
 
-    def of(self, place: tuple[str, str, str, str]) -> bool:
+    def of(self, place):
         globs = self.engine, self.robot, self.format, self.thing
         return all(fnmatchcase(given, glob) for given, glob in zip(place, globs, strict=True))
 

@@ -24,7 +24,7 @@ from tests.support.usd import pxr
 FILES = {"sdf": "robot.sdf", "usd": "robot.usda"}
 
 
-def exported(form, robot, folder):
+def exported_file(form, robot, folder):
     """Exports a robot in a format and returns what was written; skips where nothing reads the format."""
     assert form == "sdf" or pxr.Usd
     written = write(robot, folder, plan_of(export={form: {}})).written
@@ -44,7 +44,7 @@ def outcomes(form, written, folder, quick=False):
 
 def failed(form, robot, folder):
     """The checks of an exported file that fail."""
-    passed = outcomes(form, exported(form, robot, folder), folder)
+    passed = outcomes(form, exported_file(form, robot, folder), folder)
     assert len(passed) > 8
     return [name for name, holds in passed.items() if not holds]
 
@@ -132,7 +132,7 @@ def test_mesh_of_an_sdf_that_is_not_there_is_found(folder, tmp_path):
     mesh = f"<mesh><uri>{folder}assets/one.stl</uri></mesh>"
     visual = f'<visual name="lost"><geometry>{mesh}</geometry></visual>'
     (fault,) = table("sdf", ("a mesh", sub("</link>", f"{visual}</link>"), "meshes"))
-    written = exported("sdf", robot_with([joint("revolute", "base", "one")]), tmp_path)
+    written = exported_file("sdf", robot_with([joint("revolute", "base", "one")]), tmp_path)
     fault.change(tmp_path, "robot")
     assert not outcomes("sdf", written, tmp_path)["meshes"]
     (tmp_path / "assets").mkdir(exist_ok=True)
@@ -188,7 +188,7 @@ def good(tmp_path_factory):
         if name not in made:
             robot = looped() if name == "sdf" else with_servo()[name == "servo"]
             place, form = tmp_path_factory.mktemp(name), "sdf" if name == "sdf" else "usd"
-            made[name] = place, exported(form, robot, place)
+            made[name] = place, exported_file(form, robot, place)
             assert all(outcomes(form, made[name][1], place).values())
         shutil.copytree(made[name][0], folder, dirs_exist_ok=True)
         return made[name][1]
