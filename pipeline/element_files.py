@@ -1,4 +1,4 @@
-"""Reads the XML files that the key `elements` names, before a build: their content is part of its input."""
+"""Reads the XML files that the key `elements` names, before a build, whose input they are."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -35,7 +35,7 @@ def element_texts(plan: "Plan") -> Mapping[str, str]:
 
 
 def require_valid_elements(plan: "Plan") -> None:
-    """Raises ConfigError if an entry of `elements` fits no format, or names a file that cannot be read."""
+    """Raises ConfigError if an entry of `elements` fits no format, or if its file cannot be read as XML."""
     if not plan.elements:
         return
     # Imported late, since these modules load lxml, and most robots have no elements of their own.
@@ -50,7 +50,8 @@ def require_valid_elements(plan: "Plan") -> None:
 
 
 def _read_elements(path: str, key: str) -> str:
-    """Returns the text of a file. Raises ConfigError unless the file contains XML elements."""
+    """Returns the text of the file that the key `key` names. Raises ConfigError unless the file contains XML
+    elements."""
     # Imported late: see `require_valid_elements`.
     from linkwright.stages.formats.xml import Malformed, fragment
 
@@ -61,12 +62,14 @@ def _read_elements(path: str, key: str) -> str:
         text = content.decode("utf-8")
         # Raises Malformed unless the text consists of complete elements.
         fragment(text)
-        return text
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        msg, hint = f"{path} is not readable as text: {reason}", "it must be a file in UTF-8"
+        msg = f"{path} is not readable as text: {reason}"
+        raise ConfigError(msg, key, "it must be a file in UTF-8") from None
     except regular_files.FileTooLarge as error:
-        msg, hint = f"{path} has {error.size} bytes, more than {MAX_BYTES}", "keep only the elements"
+        msg = f"{path} has {error.size} bytes, more than {MAX_BYTES}"
+        raise ConfigError(msg, key, "keep only the elements") from None
     except Malformed as error:
-        msg, hint = f"{path} is not XML: {error.place}", "it must contain one or more complete elements"
-    raise ConfigError(msg, key, hint)
+        msg = f"{path} is not XML: {error.place}"
+        raise ConfigError(msg, key, "it must contain one or more complete elements") from None
+    return text

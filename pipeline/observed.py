@@ -46,7 +46,7 @@ class Observations:
     depends on the moment, such as `${now:%H}`."""
 
     def __init__(self, salt: str, environ: Mapping[str, str] = os.environ) -> None:
-        """Asks the questions of every build. `salt` becomes part of the digests of variables."""
+        """Asks the questions that every build asks. `salt` becomes part of the digests of variables."""
         self.is_repeatable = True
         self._salt = salt
         self._environ = environ
@@ -77,7 +77,7 @@ class Observations:
             self.is_repeatable = False
 
 
-_CURRENT: ContextVar[Observations | None] = ContextVar("observations", default=None)
+_CURRENT_OBSERVATIONS: ContextVar[Observations | None] = ContextVar("observations", default=None)
 """The observations of the block of `recording` that is running; None outside of such a block."""
 
 
@@ -85,11 +85,11 @@ _CURRENT: ContextVar[Observations | None] = ContextVar("observations", default=N
 def recording(salt: str) -> Iterator[Observations]:
     """Records all questions that the block asks by the functions below, with their answers."""
     observations = Observations(salt)
-    token = _CURRENT.set(observations)
+    token = _CURRENT_OBSERVATIONS.set(observations)
     try:
         yield observations
     finally:
-        _CURRENT.reset(token)
+        _CURRENT_OBSERVATIONS.reset(token)
 
 
 def have_same_answers(
@@ -141,26 +141,26 @@ def has_yaml_in_subfolders(folder: Path) -> bool:
 
 def record_content(path: Path, content: bytes) -> None:
     """Records the content of a file that was read."""
-    if observations := _CURRENT.get():
+    if observations := _CURRENT_OBSERVATIONS.get():
         observations.record("content", str(path), hashlib.sha256(content).hexdigest())
 
 
 def record_variable(name: str) -> None:
     """Records that the value of an environment variable is used."""
-    if observations := _CURRENT.get():
+    if observations := _CURRENT_OBSERVATIONS.get():
         observations.ask("variable", name)
 
 
 def record_momentary_value() -> None:
     """Records the use of a value that may differ at another moment or on another machine."""
-    if observations := _CURRENT.get():
+    if observations := _CURRENT_OBSERVATIONS.get():
         observations.is_repeatable = False
 
 
 def _ask(question: str, path: Path) -> str:
     """Returns the answer to a question about a path, and records it."""
     answer = current_answer(question, str(path))
-    if observations := _CURRENT.get():
+    if observations := _CURRENT_OBSERVATIONS.get():
         observations.record(question, str(path), answer)
     return answer
 

@@ -29,11 +29,11 @@ def as_text(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) ->
         lines.append(FOLDER_NOTE)
     if not changes:
         return "\n".join([*lines, "the same robot"])
-    for section, section_changes in groupby(changes, lambda change: change.section):
-        lines.append(_section_title(section))
-        for name, row_changes in groupby(section_changes, lambda change: change.name):
-            # The section of the robot as a whole has no rows.
-            label = "" if section == "robot" else f"{printable(name)}: "
+    for table, table_changes in groupby(changes, lambda change: change.section):
+        lines.append(_table_title(table))
+        for name, row_changes in groupby(table_changes, lambda change: change.name):
+            # Differences of the robot as a whole are in the table "robot", which has no rows.
+            label = "" if table == "robot" else f"{printable(name)}: "
             for index, change in enumerate(row_changes):
                 # The first line of a row has its label; the others are indented as far.
                 prefix = label if index == 0 else " " * len(label)
@@ -43,13 +43,13 @@ def as_text(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) ->
 
 def as_document(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]) -> DiffDocument:
     """Returns the JSON document of the differences, with values as in robot.json."""
-    documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
+    change_documents = tuple(ChangeDocument(**asdict(change)) for change in changes)
     return DiffDocument(
         UNMET if changes else BUILT,
         _compared_robot(before),
         _compared_robot(after),
         alike=not changes,
-        changes=documents,
+        changes=change_documents,
     )
 
 
@@ -60,37 +60,39 @@ def as_markdown(before: SavedRobot, after: SavedRobot, changes: Sequence[Change]
     if not changes:
         return "\n".join([*lines, "The same robot."])
     lines += [f"{count(len(changes), 'difference')}.", ""]
-    for section, section_changes in groupby(changes, lambda change: change.section):
-        lines += [f"| {_section_title(section)} | |", "|---|---|"]
-        for change in section_changes:
+    for table, table_changes in groupby(changes, lambda change: change.section):
+        lines += [f"| {_table_title(table)} | |", "|---|---|"]
+        for change in table_changes:
             lines.append(f"| {_cell(change.name)} | {_cell(describe_change(change))} |")
         lines.append("")
     return "\n".join(lines).rstrip()
 
 
-def _place_and_size(described: SavedRobot) -> str:
-    """Returns the place of a robot with its name, its numbers of links and joints, and its mass."""
-    robot = described.robot
-    links, joints = count(len(robot["links"]), "link"), count(len(robot["joints"]), "joint")
-    mass = f"{robot.get('total_mass', 0):.6g} kg"
-    return printable(f"{described.place} ({robot['name']}: {links}, {joints}, {mass})")
+def _place_and_size(saved: SavedRobot) -> str:
+    """Returns a text with the place of a robot, its name, its numbers of links and joints, and its mass."""
+    document = saved.robot
+    links, joints = count(len(document["links"]), "link"), count(len(document["joints"]), "joint")
+    mass = f"{document.get('total_mass', 0):.6g} kg"
+    return printable(f"{saved.place} ({document['name']}: {links}, {joints}, {mass})")
 
 
-def _compared_robot(described: SavedRobot) -> ComparedRobot:
-    return ComparedRobot(described.place, described.robot["name"], described.robot.get("source"))
+def _compared_robot(saved: SavedRobot) -> ComparedRobot:
+    return ComparedRobot(saved.place, saved.robot["name"], saved.robot.get("source"))
 
 
 def source_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
-    """Yields a line for each difference between the sources of two robots. The robots may be equal all the
-    same."""
+    """Yields a line for each difference between the sources of two robots, which may be equal otherwise.
+
+    `before`, `after`: the content of their robot.json.
+    """
     old, new = before.get("source") or {}, after.get("source") or {}
     for key in dict.fromkeys((*old, *new)):
         if old.get(key) != new.get(key):
             yield f"{key} of the source: {printable(str(old.get(key)))} → {printable(str(new.get(key)))}"
 
 
-def _section_title(section: str) -> str:
-    return section.replace("_", " ")
+def _table_title(table: str) -> str:
+    return table.replace("_", " ")
 
 
 def describe_change(change: Change) -> str:

@@ -1,4 +1,4 @@
-"""Resolves the choices in a composed tree: command line over robot file, formats, targets, default name."""
+"""Applies the user's choices to a composed tree: its source, formats and targets, and the robot's name."""
 
 import copy
 import re
@@ -27,10 +27,11 @@ class Choices:
     multiple_choices: Mapping[str, tuple[str, ...]]
     """The chosen options of each group that allows several, such as `export`."""
     experiments: tuple[str, ...] = ()
+    """The chosen options of the group `experiment`."""
     presets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The content of each option that the command line chose, by group."""
     keys: frozenset[str] = frozenset()
-    """The full keys that the command line set."""
+    """The keys that the command line set, with all levels."""
     explicit_groups: frozenset[str] = frozenset()
     """The groups in `multiple_choices` for which the command line chose options."""
 
@@ -133,7 +134,7 @@ def default_robot_name(source: Any, robot: str = "bare") -> str:
         path = PurePath(source["path"])
         # `arm.urdf.xacro` has two suffixes.
         stem = path.stem.removesuffix(".urdf")
-        # `scene` is a common name of a file around the robot, and linkwright writes its own scene.xml.
+        # `scene` is a common name of a file around the robot, and Linkwright writes its own scene.xml.
         return _safe_name((path.parent.name or "robot") if stem.lower() == "scene" else stem)
     # Eight of the 24 digits of the id are enough to tell robots apart.
     element_id = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))

@@ -27,7 +27,7 @@ from linkwright.pipeline.config.files.places import OUTPUT, SWEEP_DIR, folder_pr
 from linkwright.pipeline.config.hydra.errors import composition_problem
 from linkwright.pipeline.config.hydra.files import guarded_reading
 from linkwright.pipeline.config.hydra.loader import PRIMARY, composed, set_aside, speed_up, use_loader
-from linkwright.pipeline.config.hydra.node import HydraSettings, JobLabel, quote_text, search_path_override
+from linkwright.pipeline.config.hydra.node import HydraSettings, JobIdentity, quote_text, search_path_override
 from linkwright.pipeline.config.hydra.reading import Reading
 from linkwright.pipeline.config.messages import with_example
 from linkwright.pipeline.config.optional import add_optional
@@ -146,7 +146,7 @@ class Composer:
         problems += leaks
         problems += [problem for override in overrides if (problem := hydra_problem(override, multirun))]
         overrides = [override for override in overrides if not hydra_problem(override, multirun)]
-        problems += self._hydra.store_overrides(overrides, self._typed)
+        problems += self._hydra.accept_overrides(overrides, self._typed)
         self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
@@ -163,7 +163,7 @@ class Composer:
         return f"{sign}robot={','.join(texts)}"
 
     def compose(
-        self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: JobLabel | None = None
+        self, overrides: Sequence[str], earlier: Iterable[Diagnostic] = (), job: JobIdentity | None = None
     ) -> Composed:
         """Returns the plan of overrides in Hydra's form; `job`: number and label of a sweep's job.
         The sample is built if neither the command line nor a defaults list chooses a robot or a source.

@@ -1,4 +1,4 @@
-"""Defines the result of examining something that builds need, and formats results as text or as JSON."""
+"""Defines the result of an examination of what builds need, and formats results as text or as JSON."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ def as_text(results: Sequence[ExaminationResult]) -> str:
 def as_document(results: Sequence[ExaminationResult]) -> DoctorDocument:
     """Returns the results as a JSON document; its status is that of a failed build if anything is wrong."""
     works = all(result.state != "wrong" for result in results)
-    documents = tuple(
+    result_documents = tuple(
         ExaminedDocument(result.subject, result.state, result.detail, result.hint) for result in results
     )
-    return DoctorDocument(BUILT if works else FAILED, works, documents)
+    return DoctorDocument(BUILT if works else FAILED, works, result_documents)

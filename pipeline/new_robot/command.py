@@ -157,13 +157,13 @@ def as_document(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> New
         problems=worst(robot.problems, whole=True),
         remarks=tuple(robot.remarks),
         weighed=mechanism.has_masses,
-        calls={"made": mechanism.calls, "saved": mechanism.saved_calls},
+        calls={"made": mechanism.call_count, "saved": mechanism.saved_call_count},
     )
 
 
 def as_text(robot: NewRobot, path: Path, mechanism: FetchedMechanism) -> str:
     """Returns the result for people."""
-    lines = [f"{path}: {count(len(robot.rows), 'joint')}, {count(mechanism.calls, 'API call')}"]
+    lines = [f"{path}: {count(len(robot.rows), 'joint')}, {count(mechanism.call_count, 'API call')}"]
     for problem in robot.problems:
         place = f" {problem.where}:" if problem.where else ""
         lines += [

@@ -30,9 +30,9 @@ class FetchedMechanism:
     bundle: Bundle
     title: str
     """The name of the assembly's tab, if a reply has it."""
-    calls: int
+    call_count: int
     """Number of API calls that count against the quota."""
-    saved_calls: int
+    saved_call_count: int
     """Number of API calls that cached replies saved."""
     has_masses: bool
     """Whether the bundle has the mass properties of its parts."""
@@ -48,44 +48,45 @@ class MechanismSurvey:
     """The robot of a source, and the problems that end its build."""
 
     robot: Robot | None
-    """The robot, if necessary with loose parts welded and placeholder masses; None if the graph stage fails
-    even so."""
+    """The robot, if necessary with welded loose parts and placeholder masses; None if the graph stage fails
+    even with these."""
     problems: tuple[Diagnostic, ...]
-    """The problems with which the graph stage of a build will end, as far as the mechanism shows them."""
+    """The problems with which the graph stage of a build will end, as far as the mechanism shows
+    them."""
 
 
 def fetch_mechanism(
     plan: Plan, environ: Mapping[str, str], progress: Callable[[str], None], *, with_masses: bool
 ) -> FetchedMechanism:
-    """Fetches the mechanism of the plan's source, if requested with the mass properties of its parts. Raises
-    the errors of `stages.fetch.survey`."""
-    calls = Calls()
+    """Fetches the mechanism of the plan's source. `with_masses`: whether the mass properties of its parts are
+    fetched too. Raises the errors of `stages.fetch.survey`."""
+    call_counts = Calls()
     with actions.opened(plan.cache.mode, plan.cache.dir, environ) as cache:
         context = FetchContext(
             cache.replies(),
             environ,
             progress=progress,
             ledger=actions.folder(plan.cache.dir, environ) / LEDGER_FOLDER,
-            calls=calls,
+            calls=call_counts,
         )
         fetched = fetch.survey(plan, context, masses=with_masses)
     # Sources other than Onshape are fetched whole.
     has_masses = with_masses or plan.source.kind != "onshape"
-    return FetchedMechanism(fetched.bundle, fetched.title, calls.made, calls.saved, has_masses)
+    return FetchedMechanism(fetched.bundle, fetched.title, call_counts.made, call_counts.saved, has_masses)
 
 
 def survey_mechanism(mechanism: FetchedMechanism, plan: Plan) -> MechanismSurvey:
-    """Runs the graph stage of the plan. If it ends with problems, it runs again with loose parts welded and
-    placeholder masses, so that the robot's joints are known all the same."""
-    masses = {} if mechanism.has_masses else {"mass": PLACEHOLDER_MASSES}
-    robot, problems = _robot_or_problems(mechanism.bundle, plan.model_copy(update=masses))
+    """Runs the graph stage of the plan. If it ends with problems, it runs again with welded loose parts and
+    placeholder masses, so that the joints of the robot are known even then."""
+    mass_changes = {} if mechanism.has_masses else {"mass": PLACEHOLDER_MASSES}
+    robot, problems = _robot_or_problems(mechanism.bundle, plan.model_copy(update=mass_changes))
     # The build itself fetches the triangles that are missing here.
     problems = tuple(problem for problem in problems if problem.message != NO_TRIANGLES)
     if robot is None:
-        changes: dict[str, Any] = {"root": plan.root.model_copy(update={"disconnected": "weld"})}
+        substitutes: dict[str, Any] = {"root": plan.root.model_copy(update={"disconnected": "weld"})}
         if isinstance(mechanism.bundle, OnshapeBundle):
-            changes["mass"] = PLACEHOLDER_MASSES
-        robot, _ = _robot_or_problems(mechanism.bundle, plan.model_copy(update=changes))
+            substitutes["mass"] = PLACEHOLDER_MASSES
+        robot, _ = _robot_or_problems(mechanism.bundle, plan.model_copy(update=substitutes))
     return MechanismSurvey(robot, problems)
 
 

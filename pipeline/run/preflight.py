@@ -45,8 +45,8 @@ def destination(
 ) -> Output:
     """Returns the output folder of a build; `report` gets lines about it.
 
-    Raises ConfigError if no output folder can be there, or if it would replace files that are not
-    linkwright's; raises OutputError if that cannot be checked.
+    Raises ConfigError if no output folder can be at its path, or if the build would replace files that
+    Linkwright did not write; raises OutputError if the existing files cannot be examined.
     """
     output = Output(plan.folder, report, overwrite=plan.overwrite)
     # Only sources that are files have a path.
@@ -78,7 +78,7 @@ def _engine_files(plan: Plan) -> list[str]:
 
 
 def job_problems(plan: Plan) -> list[Diagnostic]:
-    """Returns the problems of a job of a sweep: those of a build, and conflicts between jobs."""
+    """Returns the problems of a job of a sweep: those of its build, and settings that no sweep allows."""
     return [*plan_problems(plan), *_sweep_only_problems(plan)]
 
 
@@ -91,7 +91,7 @@ def offline_job_problems(plan: Plan) -> list[Diagnostic]:
 
 
 def _sweep_only_problems(plan: Plan) -> list[Diagnostic]:
-    """Returns the problems of a plan that only a sweep has."""
+    """Returns a problem for each setting of a plan that a build allows and a sweep does not."""
     problems = []
     if changes_document(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"

@@ -1,4 +1,4 @@
-"""Checks and renews the snapshots in their folder; finds missing and left-over snapshots."""
+"""Checks and renews the snapshots in their folder; finds and removes left-over snapshots."""
 
 import functools
 import os
@@ -12,9 +12,13 @@ from linkwright.pipeline.snapshots.snapshot import Snapshot, all_subjects, file_
 from linkwright.pipeline.snapshots.subjects import FOLDER, RobotRepository, SnapshotSubject
 from linkwright.pipeline.snapshots.text import HEAD, read_entries, subject_of
 
-RENEW_HINT = "if that is meant: linkwright snapshot, or pytest --linkwright-update"
-MAKE_HINT = "make it, and keep it in git: linkwright snapshot, or pytest --linkwright-update"
-REMOVE_HINT = "remove it: linkwright snapshot, or pytest --linkwright-update"
+_UPDATE_COMMANDS = "linkwright snapshot, or pytest --linkwright-update"
+"""The commands that make, renew and remove snapshots, for hints."""
+
+ACCEPT_HINT = f"if the change is intended: {_UPDATE_COMMANDS}"
+REWRITE_HINT = f"write it again: {_UPDATE_COMMANDS}"
+MAKE_HINT = f"make it, and keep it in git: {_UPDATE_COMMANDS}"
+REMOVE_HINT = f"remove it: {_UPDATE_COMMANDS}"
 
 _LEFT_OVER_REASON = "its robot is gone or has another name"
 
@@ -27,7 +31,7 @@ class Renewal:
     """Whether the snapshot did not exist before."""
 
     text: str
-    """A message for the user: the file, and its changes."""
+    """A message for the user: the path of the snapshot, and its changes."""
 
 
 class SnapshotFolder:
@@ -47,11 +51,13 @@ class SnapshotFolder:
         if old_text is None:
             raise ValidationFailed(f"there is no snapshot of {subject.title}", where, MAKE_HINT)
         if read_entries(old_text) is None:
-            raise ValidationFailed("it was written by another version, in another format", where, RENEW_HINT)
+            raise ValidationFailed(
+                "it was written by another version, in another format", where, REWRITE_HINT
+            )
         changes = differences(old_text, new_snapshot.text)
         if changes:
             error = ValidationFailed("the robot has changed", where)
-            for line in (*changes, f"→ {RENEW_HINT}"):
+            for line in (*changes, f"→ {ACCEPT_HINT}"):
                 error.add_note(line)
             raise error
 
@@ -93,7 +99,8 @@ class SnapshotFolder:
         return [f"{path}: removed, {_LEFT_OVER_REASON}" for path in paths]
 
     def _new_snapshot_and_old_text(self, subject: SnapshotSubject) -> tuple[Snapshot, str | None]:
-        """Returns a new snapshot of a subject, and the text of its file; None if there is no file yet."""
+        """Returns a new snapshot of a subject, and the text of its file, which is None if there is no file
+        yet."""
         new_snapshot = snapshot(self._repository, subject, self._environ)
         self._require_unique_name(new_snapshot.name)
         old_text = _text(self._repository.snapshots / new_snapshot.file)
@@ -121,6 +128,7 @@ class SnapshotFolder:
 
     @functools.cached_property
     def _names(self) -> dict[SnapshotSubject, str]:
+        """The name of the robot of each subject that can be composed."""
         return names_of(self._repository, self.subjects, self._environ)
 
 
@@ -135,6 +143,7 @@ def _text(file: Path) -> str | None:
 
 
 def _write(file: Path, text: str) -> None:
+    """Writes a snapshot, and its folder if there is none. Raises OutputError if that fails."""
     try:
         file.parent.mkdir(exist_ok=True)
         file.write_bytes(text.encode())

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from linkwright.pipeline.caching import actions
 from linkwright.pipeline.config.compose import session
-from linkwright.pipeline.config.hydra.node import JobLabel
+from linkwright.pipeline.config.hydra.node import JobIdentity
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import CacheError, ConfigError, OutputError, refusal
@@ -73,7 +73,7 @@ def compose_jobs(jobs: JobList, chosen: Sequence[ListedJob]) -> list[Job]:
         for job in chosen:
             if labels[job.number : job.number + 1] != [job.label]:
                 raise _stale(job)
-            composed_job = composer.compose(all_overrides[job.number], job=JobLabel(job.number, job.label))
+            composed_job = composer.compose(all_overrides[job.number], job=JobIdentity(job.number, job.label))
             plan = composed_job.plan.model_copy(update={"output": job.folder})
             # A subdir of the command may contain the time, which has changed.
             usual_path = Path(jobs.folder) / usual_folder(job.label, all_overrides[job.number])

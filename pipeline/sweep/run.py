@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.pipeline.config.files.trust import SweepSettings
-from linkwright.pipeline.config.hydra.node import JobLabel
+from linkwright.pipeline.config.hydra.node import JobIdentity
 from linkwright.pipeline.config.overrides import Override
 from linkwright.pipeline.config.plan import Judge, Plan, is_run_key
 from linkwright.pipeline.errors import as_problems, refusal
@@ -133,7 +133,7 @@ def compose_sweep(
     numbers_of: dict[Diagnostic, list[int]] = {}
     for number, (job, label) in enumerate(zip(all_overrides, labels, strict=True)):
         try:
-            composed = composer.compose(job, job=JobLabel(first + number, label))
+            composed = composer.compose(job, job=JobIdentity(first + number, label))
         except ConfigError as error:
             problems: Iterable[Diagnostic] = as_problems(error)
         else:

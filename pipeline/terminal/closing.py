@@ -20,7 +20,7 @@ ASCII_REPLACEMENTS = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-"
 """Character that a stream's encoding may lack → its replacement in ASCII."""
 
 _RICH_STYLES = {"FAILED": "bold red", "WARNING": "yellow", "E": "bold red", "W": "yellow", "I": "cyan"}
-"""Rich's style of a line's first word, by the word or by the level (E, W, I) of a code."""
+"""First word of a line, or level (E, W, I) of the code that it is → its style in Rich."""
 
 FULL_STYLE = Style(rest="", whole=True)
 """The style that shows all findings, and shortens no message."""
@@ -49,8 +49,8 @@ def closing_lines(report: Report, detail: Detail = "usual") -> list[str]:
 def _error_lines(report: Report) -> list[str]:
     """Returns the lines about failed checks, and about errors and warnings if the result is stale."""
     diagnostics = report.diagnostics if report.status == "stale" else ()
-    serious = [diagnostic for diagnostic in diagnostics if diagnostic.level != "info"]
-    return [*finding_lines(serious, FULL_STYLE), *_unmet_check_lines(report, "errors")]
+    errors_and_warnings = [diagnostic for diagnostic in diagnostics if diagnostic.level != "info"]
+    return [*finding_lines(errors_and_warnings, FULL_STYLE), *_unmet_check_lines(report, "errors")]
 
 
 def _finding_style(report: Report, detail: Detail) -> Style:
@@ -60,8 +60,8 @@ def _finding_style(report: Report, detail: Detail) -> Style:
 
 
 def _unmet_check_lines(report: Report, detail: Detail) -> Iterator[str]:
-    """Yields the lines of the checks that did not pass: warnings unless only errors are shown, then failed
-    checks."""
+    """Yields the lines of the checks that did not pass: first warnings, unless only errors are shown; then
+    failed checks."""
     max_findings = sys.maxsize if detail == "all" else MAX_FINDINGS
     if detail != "errors":
         for check in report.warned_checks:

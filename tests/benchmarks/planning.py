@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from linkwright.pipeline.config.compose import compose_plan, session
-from linkwright.pipeline.config.hydra.node import JobLabel
+from linkwright.pipeline.config.hydra.node import JobIdentity
 from tests.support.users import MY_ARM, write
 
 TIMES = 20
@@ -39,11 +39,11 @@ def main():
         with session(cwd=here) as composer:
             jobs: dict[str, Callable[[int], object]] = {
                 "a job, other values": lambda number: composer.compose(
-                    ["robot=my_arm", f"++mesh.tolerance=0.{number + 1}"], job=JobLabel(number, f"{number}")
+                    ["robot=my_arm", f"++mesh.tolerance=0.{number + 1}"], job=JobIdentity(number, f"{number}")
                 ),
                 "a job, other options": lambda number: composer.compose(
                     [f"robot={('my_arm', 'other')[number % 2]}", f"mesh={('hull', 'raw')[number // 2 % 2]}"],
-                    job=JobLabel(number, f"{number}"),
+                    job=JobIdentity(number, f"{number}"),
                 ),
             }
             for title, job in jobs.items():

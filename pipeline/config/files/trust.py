@@ -76,7 +76,7 @@ _ABSENT = object()
 
 @dataclass(frozen=True, slots=True)
 class SweepSettings:
-    """The sweep settings that files may set."""
+    """The launcher and the sweeper, and the sweep settings that files set."""
 
     launcher: str = BASIC_OPTION
     """The option of hydra/launcher."""
@@ -89,9 +89,9 @@ class SweepSettings:
     params: Mapping[str, str] = field(default_factory=dict)
     """Key to sweep → its values, as in an override."""
     dir: str | None = None
-    """The folder of the sweep, None if not set."""
+    """The folder of the sweep; None if it is not set."""
     subdir: str | None = None
-    """The folder of a job, None if not set."""
+    """The folder of a job; None if it is not set."""
 
 
 def compare_hydra_nodes(
@@ -104,7 +104,7 @@ def compare_hydra_nodes(
 
     Returns the changed settings that a file may set, by key without `hydra.`, and a problem for each other
     change. The nodes contain unresolved interpolations; `resolve` returns the resolved value at a place.
-    `command`: the typed command, with which hints begin.
+    `command`: the words of the typed command, with which hints begin.
     """
     settings: dict[str, Any] = {}
     problems: dict[str, Diagnostic] = {}
@@ -112,9 +112,9 @@ def compare_hydra_nodes(
         key = key_of(place)
         if key.startswith(_PREFIXES_SET_BY_HYDRA):
             continue
-        # Folders are resolved later, for each job; other settings are refused as they are.
-        in_launcher_or_sweeper = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
-        value = resolve(place) if key == PARAMS_KEY or in_launcher_or_sweeper else composed_value
+        # The rest stays unresolved: folders are resolved later, for each job; other settings are refused.
+        is_known_plug_in_key = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
+        value = resolve(place) if key == PARAMS_KEY or is_known_plug_in_key else composed_value
         if _may_set(place, value, trusted_value):
             settings[key] = value
         else:
@@ -158,13 +158,12 @@ def _is_launcher_setting(place: Place, value: Any, trusted_value: Any) -> bool:
 
 
 def _is_launcher_key(place: Place, trusted_value: Any) -> bool:
-    """Tells whether a place is a key of the launcher that the command line's tree has, unlike a key of
-    Hydra's own such as `_target_`."""
+    """Tells whether the command line's tree has this key of the launcher, unless the key is Hydra's own."""
     return place[0] == LAUNCHER and trusted_value is not _ABSENT and not str(place[-1]).startswith("_")
 
 
 def _is_search_setting(key: str, value: Any) -> bool:
-    """Tells whether a key, below `hydra`, is one of a search that a file may set to this value."""
+    """Tells whether a file may set this key of a search, below `hydra`, to this value."""
     if key == "sweeper.direction":
         # A search with several objectives has a list of directions.
         return all(direction in _DIRECTIONS for direction in _as_list(value))
@@ -177,8 +176,8 @@ def _is_number(value: Any) -> bool:
 
 def _launcher_hint(place: Place, value: Any, trusted_value: Any, command: Sequence[str]) -> str:
     """Returns a hint to type a launcher's setting on the command line; "" if that is not allowed either."""
-    can_be_typed = all(isinstance(item, str | int | float) for item in _as_list(value))
-    if not can_be_typed or not _is_launcher_key(place, trusted_value):
+    fits_command_line = all(isinstance(item, str | int | float) for item in _as_list(value))
+    if not fits_command_line or not _is_launcher_key(place, trusted_value):
         return ""
     return f"if you trust it: {pasted.line(command)} {override_text(f'hydra.{key_of(place)}', value)}"
 
@@ -205,19 +204,19 @@ def overridden_group_problems(contents: Iterable[Mapping[str, Any]]) -> Iterator
                 yield forbidden_key_problem(group.partition("/")[2])
 
 
-def forbidden_target_problems(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
+def forbidden_target_problems(tree: Any, command_text: str = "", place: Place = ()) -> Iterator[Diagnostic]:
     """Yields a problem for each forbidden `_target_` in a tree, which names code to run.
 
     The user's own checks and the objective may name code in the modules of the tree's `plugins`. `place`: the
-    place of `tree` in the configuration; `command`: the typed command, with which hints begin.
+    place of `tree` in the configuration; `command_text`: the typed command, with which hints begin.
     """
     plugins: Any = tree.get("plugins") if isinstance(tree, Mapping) else ()
-    names = [str(plugin) for plugin in plugins] if _is_list(plugins) else []
-    return _forbidden_targets(tree, names, command, place)
+    modules = [str(plugin) for plugin in plugins] if _is_list(plugins) else []
+    return _target_problems(tree, modules, command_text, place)
 
 
-def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
-    """Yields the problems of `forbidden_target_problems`; `plugins`: the names of the trusted modules."""
+def _target_problems(tree: Any, modules: list[str], command_text: str, place: Place) -> Iterator[Diagnostic]:
+    """Yields the problems of `forbidden_target_problems`; `modules`: the names of the trusted modules."""
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
@@ -225,17 +224,18 @@ def _forbidden_targets(tree: Any, plugins: Sequence[str], command: str, place: P
         pairs = enumerate(tree)
     for name, value in pairs:
         # Indices of lists stay numbers, keys of mappings become texts.
-        inner = (*place, str(name) if isinstance(tree, Mapping) else name)
+        inner_place = (*place, str(name) if isinstance(tree, Mapping) else name)
         if name != TARGET_KEY:
-            yield from _forbidden_targets(value, plugins, command, inner)
+            yield from _target_problems(value, modules, command_text, inner_place)
         elif not _may_name_code(place):
             text = f"a configuration must not name code (given {shown(value)})"
             hint = "remove it: a robot's file is data and runs no code"
-            yield Diagnostic(TRUST_CODE, text, key_of(inner), hint)
-        elif isinstance(value, str) and not is_in_modules(value, plugins):
+            yield Diagnostic(TRUST_CODE, text, key_of(inner_place), hint)
+        elif isinstance(value, str) and not is_in_modules(value, modules):
             text = f"this names code in a module that is not trusted (given {shown(value)})"
-            module = override_text("plugins", [value.partition(".")[0]])
-            yield Diagnostic(TRUST_CODE, text, key_of(inner), f"if you trust it: {command} {module}")
+            plugins_override = override_text("plugins", [value.partition(".")[0]])
+            hint = f"if you trust it: {command_text} {plugins_override}"
+            yield Diagnostic(TRUST_CODE, text, key_of(inner_place), hint)
 
 
 def _may_name_code(place: Place) -> bool:
@@ -243,9 +243,9 @@ def _may_name_code(place: Place) -> bool:
     return place == _OBJECTIVE_PLACE or (place[:2] == _USER_CHECKS_PLACE and len(place) == 3)
 
 
-def is_in_modules(target: str, plugins: Iterable[str]) -> bool:
+def is_in_modules(target: str, modules: Iterable[str]) -> bool:
     """Tells whether the value of a `_target_` is in any of these modules or their submodules."""
-    return any(target.startswith(f"{plugin}.") for plugin in plugins)
+    return any(target.startswith(f"{module}.") for module in modules)
 
 
 def trust_problems(
@@ -253,12 +253,12 @@ def trust_problems(
     typed_keys: Iterable[str],
     files: Iterable[Path],
     environ: Mapping[str, str],
-    command: str,
+    command_text: str,
 ) -> list[Diagnostic]:
     """Returns a problem for each key that lets code run and that only a file sets.
 
     `typed_keys`: the keys that the command line sets; `files`: the user's own files in the composition;
-    `command`: the typed command, with which hints begin.
+    `command_text`: the typed command, with which hints begin.
     """
     values = {key: _value_at(tree, key, safe_value) for key, safe_value in SAFE_VALUES.items()}
     unsafe_keys = [key for key, value in values.items() if value != SAFE_VALUES[key]]
@@ -271,7 +271,7 @@ def trust_problems(
             "this key must be set on the command line, since a file cannot trust itself "
             f"(given {shown(values[key])})",
             key,
-            f"if you trust it: {command} {override_text(key, values[key])}",
+            f"if you trust it: {command_text} {override_text(key, values[key])}",
         )
         for key in untrusted_keys
     ]

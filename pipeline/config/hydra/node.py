@@ -37,16 +37,19 @@ class HydraOptions(NamedTuple):
     sweeper: str = ""
 
 
-class JobLabel(NamedTuple):
-    """The number of a job of a sweep, and its label: its overrides, separated by spaces."""
+class JobIdentity(NamedTuple):
+    """The number of a job in its sweep, and its label."""
 
     number: int
     label: str
+    """The overrides of the job, separated by spaces."""
 
 
 class HydraSettings:
-    """Hydra's own configuration, which is the node `hydra` of each tree that a session composes: what the
-    command line sets in it, and what files set and may set."""
+    """Hydra's own configuration: the node `hydra` of the trees that a session composes.
+
+    Knows the keys that the command line sets in it, and those that files set and may set.
+    """
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
@@ -58,9 +61,9 @@ class HydraSettings:
         self.typed_overrides: list[str] = []
         """The overrides of Hydra's own keys on the command line."""
 
-    def store_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Stores the overrides of Hydra's own keys, and returns an empty list. If they are invalid, stores
-        none of them, and returns their problems. `command`: the typed command, for hints."""
+    def accept_overrides(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
+        """Stores the overrides of Hydra's own keys. If they cannot be composed, stores none; returns the
+        problems. `command`: the words of the typed command, for hints."""
         self._command = list(command)
         self.typed_overrides = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed_overrides:
@@ -82,7 +85,7 @@ class HydraSettings:
         return []
 
     def typed_keys(self, keys: Iterable[str]) -> set[str]:
-        """Returns those of `keys`, which are keys of Hydra, that the command line sets."""
+        """Returns the keys that the command line sets. `keys`: keys of Hydra, with `hydra.`."""
         # A prefix (`+`, `++`) may come before the key.
         return {key for key in keys if any(f"{key}=" in override for override in self.typed_overrides)}
 
@@ -92,21 +95,21 @@ class HydraSettings:
         Sweeps run under it. `launcher`, `sweeper`: options of hydra/launcher and hydra/sweeper, "" for the
         default. The user's own options are found only in folders that `--config-dir` names.
         """
-        chosen_options = HydraOptions(launcher, sweeper)
-        if chosen_options not in self._trusted_configs:
+        options = HydraOptions(launcher, sweeper)
+        if options not in self._trusted_configs:
             option_by_group = {LAUNCHERS: launcher, SWEEPERS: sweeper}
-            options = [f"{group}={option}" for group, option in option_by_group.items() if option]
-            arguments = [*options, *self.typed_overrides, *search_path_override(self._presets.config_folders)]
-            self._trusted_configs[chosen_options], _ = composed(arguments)
-        return self._trusted_configs[chosen_options]
+            group_overrides = [f"{group}={option}" for group, option in option_by_group.items() if option]
+            search_path = search_path_override(self._presets.config_folders)
+            arguments = [*group_overrides, *self.typed_overrides, *search_path]
+            self._trusted_configs[options], _ = composed(arguments)
+        return self._trusted_configs[options]
 
     def sweep_settings(
-        self, config: DictConfig, draft: Draft, name: Any = None, job: JobLabel | None = None
+        self, config: DictConfig, draft: Draft, robot_name: Any = None, job: JobIdentity | None = None
     ) -> SweepSettings:
-        """Returns the sweep settings, and adds a problem for each key of Hydra that a file must not set.
+        """Returns the sweep settings; adds a problem to `draft` for each key of Hydra that no file may set.
 
-        `name`: the robot's name; `job`: the job whose folders are returned. Without a job, the settings have
-        no folders.
+        `job`: the job whose folders the settings have; without a job they have no folders.
         """
         launcher, sweeper = (str(config.hydra.runtime.choices.get(group)) for group in (LAUNCHERS, SWEEPERS))
         # Linkwright ships the option `ray` itself, so it composes even if the plug-in is missing.
@@ -120,7 +123,7 @@ class HydraSettings:
         ]
         folders: dict[str, str] = {}
         if job is not None and folder_keys:
-            _set_job(config, name, job)
+            _set_job(config, robot_name, job)
             folders = {
                 key: str(value_at(config, ("hydra", *key.split(".")), draft.problems)) for key in folder_keys
             }
@@ -146,8 +149,8 @@ class HydraSettings:
             self._command,
         )
         # A key that could not be resolved has a problem already.
-        places = {problem.where for problem in draft.problems}
-        draft.problems += [problem for problem in problems if problem.where not in places]
+        reported_places = {problem.where for problem in draft.problems}
+        draft.problems += [problem for problem in problems if problem.where not in reported_places]
         return settings
 
     def _launcher_problem(self, launcher: str) -> Diagnostic | None:
@@ -185,11 +188,11 @@ def _sweep_settings(
     )
 
 
-def _set_job(config: DictConfig, name: Any, job: JobLabel) -> None:
+def _set_job(config: DictConfig, robot_name: Any, job: JobIdentity) -> None:
     """Sets the robot's name and the job in `config`, and makes it the configuration that `${hydra:...}`
     reads, so that Hydra's folders can be resolved."""
     with open_dict(config):
-        config.name = name
+        config.name = robot_name
         config.hydra.job.num, config.hydra.job.id = job.number, str(job.number)
         # The label separates the job's overrides by spaces, Hydra by commas.
         config.hydra.job.override_dirname = job.label.replace(" ", ",")

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 def _merged_links(case: Case[Any]) -> Iterator[str]:
-    """Yields the links that the MJCF merges into other bodies, each with its body."""
+    """Yields a text for each link that the MJCF merges into another body: the link and the body."""
     for link in case.written.mjcf_form.fused:
         body, _ = case.written.as_mjcf.held[link]
         yield f"{link} into {body}"
 
 
-def _other_keyframes(case: Case[Any]) -> list[str]:
+def _keyframes_except_home(case: Case[Any]) -> list[str]:
     return [keyframe.name for keyframe in case.robot.keyframes if keyframe.name != HOME]
 
 
@@ -48,8 +48,8 @@ CONTROL_LOSSES = (
     Loss(
         {"mjcf": "I-MJCF-MERGED"},
         _merged_links,
-        "links on fixed joints are merged into the bodies above them, as sites: {}",
-        "robot.json has their poses, under fused; export.mjcf.fixed_joints=keep gives each link a body",
+        "links on fixed joints are merged into their parent bodies, and a site marks each of them: {}",
+        "robot.json has their poses, under `fused`; export.mjcf.fixed_joints=keep gives each link a body",
     ),
     Loss(
         {"srdf": "I-SRDF-FREE"},
@@ -96,7 +96,7 @@ CONTROL_LOSSES = (
     ),
     Loss(
         {"usd": "I-USD-KEYFRAME"},
-        _other_keyframes,
+        _keyframes_except_home,
         "a USD has a single pose, which is `home`, so these keyframes are left out: {}",
         "the MJCF has them as keyframes",
     ),
@@ -111,7 +111,7 @@ CONTROL_LOSSES = (
         _elements_renamed_in_ros2,
         "names of links and joints in the ROS package are letters, digits and _, and do not begin with a "
         "digit: {}",
-        "the other formats keep the names; robot.json has both, under ros2",
+        "the other formats keep the names; robot.json has both, under `ros2`",
     ),
     Loss(
         {"ros2": "I-ROS2-PASSIVE"},
@@ -128,17 +128,17 @@ CONTROL_LOSSES = (
     ),
     Loss(
         {"ros2": "I-ROS2-ACTUATOR"},
-        lambda case: [f"{joint} ({kind})" for joint, kind in case.plan.control.joints_by_effort],
+        lambda case: [f"{joint} ({type_})" for joint, type_ in case.plan.control.effort_fallbacks],
         "ros2_control has no interface for these types of actuators, so the joints are commanded by effort: "
         "{}",
-        "another type of `actuators`, or an interface of your own in the ros2_control file",
+        "choose another type in `actuators`, or add an interface of your own to the ros2_control file",
     ),
     Loss(
         {"ros2": "I-ROS2-MOVEIT"},
         lambda case: case.plan.moveit and not case.plan.control.commanded("position"),
         "no joint is commanded by position, and so no controller follows trajectories: MoveIt plans for the "
         "robot, but moves nothing",
-        "`actuators=position`, or a controller of your own in moveit_controllers.yaml",
+        "set `actuators=position`, or add a controller of your own to moveit_controllers.yaml",
     ),
     Loss(
         {"ros2": "I-ROS2-SENSOR"},

@@ -114,7 +114,7 @@ class Control:
     parameters: Parameters = ()
     """The parameters of the source's hardware."""
 
-    joints_by_effort: tuple[tuple[str, str], ...] = ()
+    effort_fallbacks: tuple[tuple[str, str], ...] = ()
     """(joint, type) of each actuator without an interface of its own, which is commanded by effort."""
 
     follower_joints: tuple[str, ...] = ()
@@ -148,7 +148,7 @@ def control_of(written: Written, description: Description) -> Control:
     for actuator in written.actuation.actuators:
         actuator_types[actuator.dof].append(actuator.type)
     measured_dofs = _measured_dofs(written.actuation, written.sensing)
-    joints, joints_by_effort, follower_joints = [], [], []
+    joints, effort_fallbacks, follower_joints = [], [], []
     for node in description.moving:
         name = str(node.get("name"))
         urdf_name = urdf_names[name]
@@ -160,7 +160,7 @@ def control_of(written: Written, description: Description) -> Control:
         follows = _follows(node)
         if interfaces and follows:
             follower_joints.append(name)
-        joints_by_effort += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
+        effort_fallbacks += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
         commands = (
             () if follows else tuple(interface for interface in COMMAND_ORDER if interface in interfaces)
         )
@@ -176,7 +176,7 @@ def control_of(written: Written, description: Description) -> Control:
         sensors,
         plugin,
         parameters,
-        tuple(joints_by_effort),
+        tuple(effort_fallbacks),
         tuple(follower_joints),
         tuple(left_out),
     )

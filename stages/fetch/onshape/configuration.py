@@ -21,7 +21,7 @@ from linkwright.stages.robot.text.units import SI, UNITS, Measure
 
 ParameterKind = Literal["Enum", "Boolean", "Quantity", "String"]
 
-_KEY = "source.configuration"
+_CONFIGURATION_KEY = "source.configuration"
 
 _KIND_BY_TYPE: Mapping[str, ParameterKind] = {kind.upper(): kind for kind in get_args(ParameterKind)}
 """`parameterType` of a parameter in a reply → its kind."""
@@ -77,9 +77,11 @@ class Parameter:
                     for word, bound in (("from", self.lower_bound), ("to", self.upper_bound))
                     if bound is not None
                 ]
-                with_unit = f'a number with its unit, such as "10 {self.unit}"'
-                number = {"INTEGER": "a whole number", "REAL": "a number"}.get(self.measure, with_unit)
-                return " ".join([number, *bounds])
+                number_with_unit = f'a number with its unit, such as "10 {self.unit}"'
+                number_text = {"INTEGER": "a whole number", "REAL": "a number"}.get(
+                    self.measure, number_with_unit
+                )
+                return " ".join([number_text, *bounds])
 
 
 def read_parameters(body: bytes) -> tuple[Parameter, ...]:
@@ -106,7 +108,7 @@ def encode_settings(base: str, settings: Mapping[str, Any], parameters: Sequence
     log = Diagnostics()
     texts_by_id: dict[str, str] = {}
     for name, value in settings.items():
-        place = f"{_KEY}.{name}"
+        place = f"{_CONFIGURATION_KEY}.{name}"
         parameter = _find_parameter(name, place, parameters, log)
         if parameter is None:
             continue
@@ -120,9 +122,9 @@ def encode_settings(base: str, settings: Mapping[str, Any], parameters: Sequence
             log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed_values}")
     if log.problems:
         msg = f"invalid configuration of the assembly: {count(len(log.problems), 'problem')}"
-        raise SourceError(msg, _KEY, problems=log.problems)
+        raise SourceError(msg, _CONFIGURATION_KEY, problems=log.problems)
     encoded_texts = split(base) | {parameter_id: encoded(text) for parameter_id, text in texts_by_id.items()}
-    # In the order of the document, so that the same configuration is always the same request.
+    # In the order of the assembly's parameters, so that the same configuration is always the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
     return joined(dict(sorted(encoded_texts.items(), key=lambda item: rank.get(item[0], len(rank)))))
 

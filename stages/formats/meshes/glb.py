@@ -1,6 +1,7 @@
-"""Writes GLB files (binary glTF 2) that show a link: a mesh, with a primitive for each piece of the link.
+"""Writes GLB files (binary glTF 2) that show a link, and reads the coloured triangles of glTF files.
 
-Lengths are in metres; the same pieces always give the same bytes. Images are in the file.
+A written file has a mesh with a primitive for each piece of the link, and its images. Lengths are in metres;
+the same pieces always give the same bytes.
 """
 
 import struct
@@ -31,6 +32,9 @@ _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 _HEADER_SIZE = 12
 """Size of a GLB's header [bytes]."""
+
+_GLB_VERSION = 2
+"""Version of the container, which the header names."""
 
 _FLOAT_TYPE, _SHORT_TYPE, _INT_TYPE = 5126, 5123, 5125
 """glTF's codes of the types of numbers: float32, uint16 and uint32."""
@@ -102,13 +106,14 @@ class _GlbFile:
             "buffers": [{"byteLength": len(buffer)}],
         }
         # The standard forbids empty lists.
-        text = orjson.dumps({key: value for key, value in document.items() if value != []})
+        json_bytes = orjson.dumps({key: value for key, value in document.items() if value != []})
         # Chunks end at a multiple of four bytes.
-        text += b" " * (-len(text) % 4)
-        chunks = _chunk(_JSON_CHUNK, text) + _chunk(_BINARY_CHUNK, buffer)
-        return b"glTF" + struct.pack("<II", 2, _HEADER_SIZE + len(chunks)) + chunks
+        json_bytes += b" " * (-len(json_bytes) % 4)
+        chunks = _chunk(_JSON_CHUNK, json_bytes) + _chunk(_BINARY_CHUNK, buffer)
+        return b"glTF" + struct.pack("<II", _GLB_VERSION, _HEADER_SIZE + len(chunks)) + chunks
 
     def _primitive(self, piece: Piece) -> dict[str, Any]:
+        """Adds the arrays and the material of a piece, and returns its primitive."""
         surface = piece.surface
         normal_indices, normals = corner_normals(surface)
         first_corners, corner_vertices, texcoords = _merge_corners(
@@ -145,6 +150,7 @@ class _GlbFile:
         return self._add_accessor(record, indices.astype(dtype).tobytes(), _INDEX_TARGET)
 
     def _add_accessor(self, record: dict[str, Any], data: bytes, target: int) -> int:
+        """Adds data, its view and its accessor; returns the accessor's index. `target`: the view's use."""
         self._accessors.append({"bufferView": self._add_view(data, target=target), **record})
         return len(self._accessors) - 1
 
@@ -158,15 +164,15 @@ class _GlbFile:
     def _material_index(self, piece: Piece) -> int:
         """Returns the index of a piece's material, which is added if no earlier piece has the same."""
         *rgb, alpha = piece.colour
-        look: dict[str, Any] = {
+        appearance: dict[str, Any] = {
             "baseColorFactor": [*map(linear, rgb), alpha],
             "metallicFactor": METALLIC,
             "roughnessFactor": ROUGHNESS,
         }
         if piece.image:
-            look["baseColorTexture"] = {"index": self._image_index(piece.image)}
+            appearance["baseColorTexture"] = {"index": self._image_index(piece.image)}
         record = {
-            "pbrMetallicRoughness": look,
+            "pbrMetallicRoughness": appearance,
             **({"alphaMode": "BLEND"} if alpha < 1.0 else {}),
             # Triangles of an open surface can be seen from behind.
             **({} if piece.surface.is_closed() else {"doubleSided": True}),
@@ -183,8 +189,8 @@ class _GlbFile:
         return self._images.index(image)
 
 
-def _chunk(kind: int, content: bytes) -> bytes:
-    return struct.pack("<II", len(content), kind) + content
+def _chunk(chunk_type: int, content: bytes) -> bytes:
+    return struct.pack("<II", len(content), chunk_type) + content
 
 
 def _merge_corners(

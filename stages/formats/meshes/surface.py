@@ -20,8 +20,8 @@ _MERGE_DISTANCE = 1e-8
 """Distance [m] up to which points are merged: the linear precision of the CAD kernel."""
 
 _MERGE_SHARE = 1e-9
-"""The same distance as a share of the surface's size, for large surfaces: numbers have about 16 digits, and
-earlier steps lost some."""
+"""Distance up to which points are merged, as a share of the surface's size, for large surfaces: numbers have
+about 16 digits, and earlier steps lost some."""
 
 _MAX_MERGE_SHARE = 1e-3
 """Largest distance of merged points as a share of the size, so that even a tiny surface keeps its shape."""
@@ -59,13 +59,13 @@ class Surface:
 
     @property
     def corners(self) -> npt.NDArray[np.float64]:
-        """Returns the three corners of each triangle (m, 3, 3)."""
+        """The three corners of each triangle (m, 3, 3) [m]."""
         # `take` is four times as fast as indexing.
         return self.vertices.take(self.triangles, axis=0)
 
     @property
     def diagonal(self) -> float:
-        """Returns the diagonal [m] of the box around the points, along the axes; 0 without points."""
+        """The diagonal [m] of the box around the points, along the axes; 0 without points."""
         return _box_diagonal(self.vertices)
 
     def flipped(self) -> "Surface":
@@ -83,7 +83,7 @@ class Surface:
         return float(np.linalg.norm(self.normals(), axis=1).sum() / 2)
 
     def is_closed(self) -> bool:
-        """Tells whether every edge occurs equally often in both directions."""
+        """Tells whether there are triangles, and every edge occurs equally often in both directions."""
         starts, ends = self.triangles.ravel(), self.triangles[:, (1, 2, 0)].ravel()
         # Each edge is a number, made of its lower and its higher index.
         point_count = np.int64(len(self.vertices))
@@ -119,20 +119,20 @@ def weld(
     is_used, compact_triangles = _compact_indices(len(points), triangles)
     vertices, vertex_of = _merge_near_points(points[is_used])
     corners = vertex_of[compact_triangles]
-    kept = np.flatnonzero(_has_distinct_corners(corners))
-    corners = corners[kept]
+    complete_triangles = np.flatnonzero(_has_distinct_corners(corners))
+    corners = corners[complete_triangles]
     # Each triangle begins at its first point.
     start = corners.argmin(axis=1)[:, None]
     cyclic_order = (start + np.arange(3)) % 3
     corners = np.take_along_axis(corners, cyclic_order, axis=1)
     order = _triangle_order(corners, len(vertices))
     if texcoords is not None:
-        texcoords = np.take_along_axis(texcoords[kept], cyclic_order[:, :, None], axis=1)[order]
-    return Surface(vertices, corners.take(order, axis=0), texcoords), kept[order]
+        texcoords = np.take_along_axis(texcoords[complete_triangles], cyclic_order[:, :, None], axis=1)[order]
+    return Surface(vertices, corners.take(order, axis=0), texcoords), complete_triangles[order]
 
 
 def _has_distinct_corners(triangles: Triangles) -> npt.NDArray[np.bool_]:
-    """Returns whether the three corners of each triangle (m,) are distinct points."""
+    """Tells for each triangle (m,) whether its three corners are distinct points."""
     a, b, c = triangles.T
     distinct_corners: npt.NDArray[np.bool_] = (a != b) & (b != c) & (c != a)
     return distinct_corners
@@ -194,8 +194,8 @@ def transform_surface(surface: Surface, transform: npt.NDArray[np.float64]) -> S
 
 
 def _compact_indices(point_count: int, triangles: Triangles) -> tuple[npt.NDArray[np.bool_], Triangles]:
-    """Returns whether triangles use each point (point_count,), and the triangles as indices into only the
-    used points."""
+    """Returns a mask (point_count,) of the points that triangles use, and the triangles as indices into these
+    points alone."""
     is_used = np.zeros(point_count, dtype=bool)
     is_used[triangles] = True
     return is_used, (np.cumsum(is_used) - 1)[triangles]

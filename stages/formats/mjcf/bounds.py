@@ -11,10 +11,11 @@ from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
 
 MAX_XML_BYTES = 1 << 25
-"""Largest size of an XML file [bytes]: ten times that of a model of 10,000 bodies."""
+"""Largest size of an XML file [bytes]: ten times that of a model with 10,000 bodies."""
 
 MAX_COPIES = 10_000
-"""Largest number of elements that <replicate>, <composite> and <flexcomp> may make, all together."""
+"""Largest number of copies that <replicate>, <composite> and <flexcomp> may make of the elements inside them,
+all together; also the limit for each of them by itself, even without elements inside."""
 
 MAX_COUNT = 10_000
 """Largest value of an attribute by which MuJoCo allocates memory."""
@@ -43,10 +44,11 @@ _SIZE_ATTRIBUTES = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
 
 def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
-    """Raises SourceError if the model at `path` exceeds a limit. `xml_files`: all its files, with itself.
+    """Raises SourceError if the model at `path` exceeds a limit. `xml_files`: all files of the
+    model, including this one.
 
-    Each file is judged by itself. What exceeds a limit only across several files, or in MuJoCo's own parser,
-    is stopped by the limits of the guest process.
+    Each file is judged by itself. A model that is too large only across several files, or only for
+    MuJoCo's own parser, is stopped by the limits of the guest process.
     """
     for xml_file in xml_files:
         try:
@@ -57,7 +59,7 @@ def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
             continue
         for violation in _violations(root):
             msg = f"it exceeds a size limit: {violation}"
-            raise SourceError(msg, path.name, "remove it, or lower the number")
+            raise SourceError(msg, path.name, "remove or reduce it")
 
 
 def _violations(root: Element) -> Iterator[str]:
@@ -73,12 +75,12 @@ def _violations(root: Element) -> Iterator[str]:
         if copies > 1:
             copied_elements += copies
         if copies_inside[element] > 1:
-            # <composite> and <flexcomp> make their elements, so they need not have any.
+            # <composite> and <flexcomp> make copies even without child elements.
             copied_elements = max(copied_elements, copies_inside[element])
         if copied_elements > MAX_COPIES:
             tags = ", ".join(f"<{tag}>" for tag in _COPYING_TAGS)
-            made = f"its copies ({tags}) come to {copied_elements:.6g} elements"
-            yield f"{made}; at most {MAX_COPIES} are allowed"
+            copies_text = f"its copies ({tags}) come to {copied_elements:.6g} elements"
+            yield f"{copies_text}; at most {MAX_COPIES} are allowed"
             return
         body_count += element.tag == "body"
         yield from _attribute_violations(element)

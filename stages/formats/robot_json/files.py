@@ -1,5 +1,5 @@
-"""Defines the tables of robot.json about the other files: their names, the order of their elements,
-packages."""
+"""Defines the tables of robot.json about the other files: the names and the order of their elements,
+packages, variants."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -220,7 +220,7 @@ class OrderRecord(JsonRecord[None]):
 class VariedQuantityRecord(JsonRecord[None]):
     """A quantity that varies between the variants of a robot.
 
-    quantity: its name: the link, joint or actuator, and the quantity.
+    quantity: its full name, such as links.palm.mass.
     origin: where its value comes from.
     share: the largest change upwards or downwards, as a share of the value.
     """
@@ -262,12 +262,11 @@ class SrdfRecord(JsonRecord[None]):
 
 @dataclass(frozen=True)
 class NameChangesRecord(JsonRecord[None]):
-    """Names that a format changes: name in the robot → name in the format; for ROS 2, name in the URDF → name
-    in ROS 2.
+    """Names that a format changes, by the names in the robot; for ROS 2, by the names in the URDF.
 
-    links: the names of links.
-    joints: the names of the degrees of freedom of joints and loops → the names of their joints in the format.
-    frames: the names of frames; only for an SDF.
+    links: name of a link → its name in the format.
+    joints: name of a degree of freedom → name of its joint in the format.
+    frames: name of a frame → its name in the format; only for an SDF.
     """
 
     links: Mapping[str, str]
@@ -291,8 +290,8 @@ class FormatRecord(JsonRecord[None]):
     """Differences between a format and the robot.
 
     renamed: the names that differ from the robot's.
-    zeros: degree of freedom → its value where its joint in the format is at 0, unless that value is 0. For a
-        ball it is the orientation to which the joint's rotation is relative.
+    zeros: degree of freedom → its value when its joint in the format is at 0, unless that value is 0; for a
+        ball, the orientation from which the format counts the joint's rotation.
     """
 
     renamed: NameChangesRecord | None = None

@@ -37,8 +37,9 @@ class SdfNames:
 def sdf_names(robot: Robot) -> SdfNames:
     """Chooses the names in the SDF.
 
-    Links keep their names. Joints keep their names unless a link has the same name, and frames unless a link
-    or a joint has it. Names that an SDF does not allow are changed. Generated names differ from all others.
+    A name that an SDF does not allow is first replaced by an allowed name. Links keep these names; joints
+    keep them unless a link has the same name, and frames unless a link or a joint has it. Generated names
+    differ from all others.
     """
     chains: list[Joint | Loop] = [*robot.joints, *robot.loops]
     links = [link.name for link in robot.links]

@@ -26,9 +26,9 @@ from linkwright.stages.robot.motion.kinematics import chain
 SECOND_POINT_SUFFIX = "_axis"
 """Suffix of the names of a hinge's second connect and of its sites, in files that Linkwright wrote."""
 
-MAX_AXIS_DIFFERENCE = 1e-9
-"""Largest distance [m] between the ends of a hinge's axis on its two bodies; for an axis longer than 1 m, as
-a share of its length."""
+MAX_SECOND_POINT_DISTANCE = 1e-9
+"""Largest distance [m] between the second points of a hinge, one on each of its bodies; for an axis longer
+than 1 m, as a share of its length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,10 +36,10 @@ class ClosureJoint:
     """The joint that a closure represents, or a hinge that two connects represent together."""
 
     closure: MjcfClosure
-    """The closure; of a hinge its first connect."""
+    """The closure; for a hinge, its first connect."""
 
     axis: Array | None = None
-    """Axis of the hinge (3,), the same in both frames of the closure; None without a hinge."""
+    """Axis of the hinge, a unit vector (3,), the same in both frames of the closure; None without a hinge."""
 
 
 def joints_of_closures(closures: Sequence[MjcfClosure]) -> tuple[ClosureJoint, ...]:
@@ -51,20 +51,20 @@ def joints_of_closures(closures: Sequence[MjcfClosure]) -> tuple[ClosureJoint, .
     connects_by_sites = {
         closure.sites: closure for closure in closures if closure.type == "connect" and all(closure.sites)
     }
-    joints, second_connects = [], set[int]()
+    joints, second_connect_ids = [], set[int]()
     for closure in closures:
         first_site, second_site = closure.sites
         partner = connects_by_sites.get((first_site + SECOND_POINT_SUFFIX, second_site + SECOND_POINT_SUFFIX))
         axis = None if partner is None else _hinge_axis(closure, partner)
         if axis is not None:
-            second_connects.add(id(partner))
+            second_connect_ids.add(id(partner))
         joints.append(ClosureJoint(closure, axis))
-    return tuple(joint for joint in joints if id(joint.closure) not in second_connects)
+    return tuple(joint for joint in joints if id(joint.closure) not in second_connect_ids)
 
 
 def _hinge_axis(first: MjcfClosure, second: MjcfClosure) -> Array | None:
     """Returns the axis (3,) of the hinge that two connects form; None if they do not form a hinge. `second`
-    is a connect."""
+    is a connect, `first` any closure."""
     if (
         first.type != "connect"
         or second.name != first.name + SECOND_POINT_SUFFIX
@@ -73,13 +73,13 @@ def _hinge_axis(first: MjcfClosure, second: MjcfClosure) -> Array | None:
     ):
         return None
     # The second point in the frame of the first, on each body.
-    axis_on_a = (inverse(first.a_from_frame) @ second.a_from_frame)[:3, 3]
-    axis_on_b = (inverse(first.b_from_frame) @ second.b_from_frame)[:3, 3]
-    length = float(np.linalg.norm(axis_on_b))
-    difference = float(np.linalg.norm(axis_on_a - axis_on_b))
-    if length == 0 or difference > MAX_AXIS_DIFFERENCE * max(1.0, length):
+    second_point_on_a = (inverse(first.a_from_frame) @ second.a_from_frame)[:3, 3]
+    second_point_on_b = (inverse(first.b_from_frame) @ second.b_from_frame)[:3, 3]
+    length = float(np.linalg.norm(second_point_on_b))
+    distance = float(np.linalg.norm(second_point_on_a - second_point_on_b))
+    if length == 0 or distance > MAX_SECOND_POINT_DISTANCE * max(1.0, length):
         return None
-    return frozen(axis_on_b / length)
+    return frozen(second_point_on_b / length)
 
 
 def closing_sites(closure_joints: Sequence[ClosureJoint]) -> frozenset[str]:
@@ -112,18 +112,18 @@ def connections(
     for joint, name, dof_name in named_joints:
         closure = joint.closure
         body_a, body_b = closure.bodies
-        world_from_first = world_from_body[body_a] @ closure.a_from_frame
-        world_from_second = world_from_body[body_b] @ closure.b_from_frame
-        second_from_first = inverse(world_from_second) @ world_from_first
-        joint_type, dofs = _type_and_dofs(joint, dof_name, second_from_first)
-        pose_of_dofs = chain(dofs, {dof.name: dof.saved for dof in dofs})
+        world_from_frame_a = world_from_body[body_a] @ closure.a_from_frame
+        world_from_frame_b = world_from_body[body_b] @ closure.b_from_frame
+        frame_b_from_frame_a = inverse(world_from_frame_b) @ world_from_frame_a
+        joint_type, dofs = _type_and_dofs(joint, dof_name, frame_b_from_frame_a)
+        frame_b_from_frame_a_by_dofs = chain(dofs, {dof.name: dof.saved for dof in dofs})
         yield Connection(
             name=name,
             type=joint_type,
             bodies=(index_of[body_a], index_of[body_b]),
-            world_from_frames=(frozen(world_from_first), frozen(world_from_second)),
+            world_from_frames=(frozen(world_from_frame_a), frozen(world_from_frame_b)),
             dofs=dofs,
-            residual=residual(second_from_first, pose_of_dofs),
+            residual=residual(frame_b_from_frame_a, frame_b_from_frame_a_by_dofs),
             ref=MateRef((), name, closure.name or name, closure.type),
             title=name,
             closes=True,
@@ -138,13 +138,13 @@ def _solref(closure: MjcfClosure) -> tuple[float, float] | None:
 
 
 def _type_and_dofs(
-    joint: ClosureJoint, dof_name: str, second_from_first: Array
+    joint: ClosureJoint, dof_name: str, frame_b_from_frame_a: Array
 ) -> tuple[JointType, tuple[Dof, ...]]:
-    """Returns the type of the joint of a closure, and its dofs, whose saved values follow from the pose
-    `second_from_first` (4, 4) of its frames."""
+    """Returns the type of the joint of a closure, and its dofs. Their saved values follow from the pose
+    `frame_b_from_frame_a` (4, 4) of the closure's frames on its bodies a and b."""
     if joint.closure.type == "weld":
         return "fixed", ()
-    quat = quat_from_rotation(second_from_first[:3, :3])
+    quat = quat_from_rotation(frame_b_from_frame_a[:3, :3])
     if joint.axis is None:
         w, x, y, z = (float(number) for number in quat)
         return "ball", (_dof(dof_name, "ball", frozen(np.zeros(3)), (w, x, y, z)),)

@@ -28,8 +28,8 @@ class PartSolids:
         self._bodies: dict[Path, Inertial | None] = {}
 
     def body(self, path: Path) -> Inertial | None:
-        """Returns the parts at or below an occurrence as a single body of 1 kg, in the world's frame. Each
-        part has the same share of the mass. Returns None if a part has neither mass properties nor triangles,
+        """Returns the parts at or below an occurrence as a single body of 1 kg, in the world's frame. The
+        parts have equal shares of the mass. Returns None if a part has neither mass properties nor triangles,
         or if there are no parts."""
         if path not in self._bodies:
             bodies = [self._part_body(part) for part in self.parts(path)]
@@ -44,6 +44,7 @@ class PartSolids:
 
     @cached_property
     def _parts_by_path(self) -> dict[Path, list[Path]]:
+        """Path of an occurrence → the paths of the parts at or below it."""
         parts_below: dict[Path, list[Path]] = {}
         for part in self.assembly.parts:
             for depth in range(1, len(part.path) + 1):
@@ -75,7 +76,7 @@ class PartSolids:
 
 def is_moved_body(image: Inertial, body: Inertial, motion: Array) -> bool:
     """Tells whether `image` is `body` under `motion` (4, 4), which may reflect, as far as their distributions
-    of mass show. Both have 1 kg."""
+    of mass show. Both bodies have 1 kg."""
     moved_body = moved(body, motion)
     com_distance = np.linalg.norm(moved_body.com - image.com)
     inertia_difference = np.abs(moved_body.inertia - image.inertia).max()

@@ -1,4 +1,4 @@
-"""Finds the copies of patterns that get the mates of their seeds, and what supports them."""
+"""Finds the copies of patterns that get the mates of their seeds, and the supports of the seeds."""
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ class CopySeries:
     images: Mapping[Path, Image]
     """Copy → its relation to its seed; copies whose relation is unknown are left out."""
     unsupported_copies: frozenset[Path]
-    """Copies that no mates or groups of their own support: they get the mates and groups of their
+    """Copies without supporting mates and groups of their own: they get the mates and groups of their
     seeds."""
     bare_mirror_copies: frozenset[Path]
     """Copies that are sub-assemblies of mirror-image parts, without mates and groups of their own: they get
@@ -27,7 +27,7 @@ class CopySeries:
     joint_count: int = 0
     """Number of joints of the copies."""
     copies_with_joints: set[Path] = field(default_factory=set)
-    """Copies that have such joints."""
+    """Copies that have any of these joints."""
     carrying_mate_titles: set[str] = field(default_factory=set)
     """Titles of mates by which a fastened seed carries something: they are not repeated for the copies."""
 
@@ -117,8 +117,8 @@ def _supported_copies(
     supported_copies = set()
     for level in {owner, support_level}:
         for copy in copies:
-            if (level, copy) in search.features_by_instance and search.is_supported(
-                copy, owner, level, members
-            ):
+            if (level, copy) not in search.features_by_instance:
+                continue
+            if search.is_supported(copy, owner, level, members):
                 supported_copies.add(copy)
     return supported_copies

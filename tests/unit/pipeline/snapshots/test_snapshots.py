@@ -123,7 +123,7 @@ def test_changed_key_figure_or_order_is_shown(here, capsys):
         "    ground.size: (default) → [9.0, 9.0]\n"
         "  1 figure changed:\n"
         "    mass: 2.5 → 2.75\n"
-        "  → if that is meant: linkwright snapshot, or pytest --linkwright-update\n"
+        "  → if the change is intended: linkwright snapshot, or pytest --linkwright-update\n"
     )
     assert run(["snapshot"]) == 0
     assert "mass: 2.5 → 2.75" in capsys.readouterr().out
