@@ -8,8 +8,7 @@ kind.
 - com_check: Checks that a link's centre of mass is within the convex hull of its material.
 - contact_parts: Decides which parts with a mesh take part in contact.
 - diagnostics: Reports meshes that are missing, were decimated, or enclose another volume than their CAD part.
-- geometry: Makes the geometry of a robot: the meshes and colliders of each link, which are then given file
-  names.
+- geometry: Makes the geometry of a robot: the meshes and colliders of each link, and their file names.
 - idle_keys: Reports keys of the mesh stage that are set, but have no effect on this robot.
 - library: Reads the part meshes of a bundle: each reply at most once, when the first of its meshes is needed.
 - link_mesh: Collects findings about the meshes of a link's parts, and encodes the link's visual meshes.

@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,19 @@ from linkwright.stages.robot.text.plural import count
 if TYPE_CHECKING:
     from linkwright.stages.mesh.section import MeshSection
 
-Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
-"""Shapes, and the content of the mesh files that they refer to, by file name."""
+
+class Assets(NamedTuple):
+    """The shapes of a robot, and the mesh files to which they refer."""
+
+    shapes: tuple[Shape, ...]
+    files: Mapping[str, bytes]
+    """File name → content."""
+    reports: Sequence[Diagnostic]
 
 
 def convert_assets(
     shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection", *, obj_only: bool = False
-) -> tuple[Assets, list[Diagnostic]]:
+) -> Assets:
     """Converts mesh files to the configured format; returns the shapes with their new file names, the content
     of the files, and reports.
 
@@ -34,8 +40,8 @@ def convert_assets(
     """
     if section.assets == "none":
         primitives = tuple(shape for shape in shapes if shape.file is None)
-        return (primitives, {}), _omission_reports(shapes)
-    assets = {name: data for name, data in files.items() if name.endswith(textures.IMAGE_SUFFIX)}
+        return Assets(primitives, {}, _omission_reports(shapes))
+    converted_files = {name: data for name, data in files.items() if name.endswith(textures.IMAGE_SUFFIX)}
     shared_names = _first_names(shapes, files)
     named_shapes = []
     for shape in shapes:
@@ -46,16 +52,16 @@ def convert_assets(
         name = shared_names[_sharing_key(shape, data)]
         if shape.texture is not None:
             name = _obj_name(name)
-            if name not in assets:
-                assets |= textures.with_material_files(shape, name, data)
+            if name not in converted_files:
+                converted_files |= textures.with_material_files(shape, name, data)
         elif obj_only or section.format == "obj":
             name = _obj_name(name)
-            if name not in assets:
-                assets[name] = obj.write(surface(data))
+            if name not in converted_files:
+                converted_files[name] = obj.write(surface(data))
         else:
-            assets[name] = data
+            converted_files[name] = data
         named_shapes.append(replace(shape, file=name))
-    return (tuple(named_shapes), dict(sorted(assets.items()))), []
+    return Assets(tuple(named_shapes), dict(sorted(converted_files.items())), ())
 
 
 def _first_names(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> dict[Hashable, str]:

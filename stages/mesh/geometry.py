@@ -1,4 +1,4 @@
-"""Makes the geometry of a robot: the meshes and colliders of each link, which are then given file names."""
+"""Makes the geometry of a robot: the meshes and colliders of each link, and their file names."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +18,7 @@ from linkwright.stages.mesh.collide.report import collider_reports, figures_of
 from linkwright.stages.mesh.collide.reshaped import target_reports
 from linkwright.stages.mesh.com_check import com_reports
 from linkwright.stages.mesh.contact_parts import small_part_reports, with_basis
-from linkwright.stages.mesh.contacts.analysis import self_contacts
+from linkwright.stages.mesh.contacts.analysis import Contacts, self_contacts
 from linkwright.stages.mesh.contacts.excluded_pairs import chosen_pairs, excluded_pairs
 from linkwright.stages.mesh.diagnostics import diagnostics
 from linkwright.stages.mesh.files.mesh_file import MeshFile
@@ -33,14 +33,14 @@ from linkwright.stages.mesh.visuals.whole import with_glb
 from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic, MeshError
-from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
+from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Role, Shape
 from linkwright.stages.robot.model.robot import Link, Part, Robot
 from linkwright.stages.robot.motion.adjacency import Pair
 from linkwright.stages.targets.engines import ShapeLimits, shape_limits
 
 if TYPE_CHECKING:
     from linkwright.stages.mesh import Memo, Shown
-    from linkwright.stages.mesh.section import ContactSection, MeshSections
+    from linkwright.stages.mesh.section import MeshSections
 
 
 class _Selection(NamedTuple):
@@ -54,7 +54,17 @@ class _Selection(NamedTuple):
     fine_link_names: set[str] | None
     """Links that `mesh.fine` names, see `ContactRequest.fine`."""
     reports: list[Diagnostic]
-    """Reports on globs that match nothing, where that is no error."""
+    """Reports on optional globs that match nothing."""
+
+
+class _Inputs(NamedTuple):
+    """The inputs that the steps of a build share."""
+
+    robot: Robot
+    selection: _Selection
+    sections: "MeshSections"
+    library: MeshLibrary
+    memo: "Memo"
 
 
 class _MadeMeshes(NamedTuple):
@@ -84,8 +94,8 @@ class _ColliderPiece(NamedTuple):
     """Parts for which the collider was made."""
 
 
-class _NamedShape(NamedTuple):
-    """A shape, and the mesh in its file; None for a primitive."""
+class _ShapeWithMesh(NamedTuple):
+    """A shape, and the mesh for its file; the mesh of a primitive is None."""
 
     shape: Shape
     mesh: MeshFile | None
@@ -98,28 +108,23 @@ def build_geometry(
     each glob that matches nothing. `show_progress`: shows the progress of colliders."""
     mesh_section, limits = sections.mesh, shape_limits(sections.target.chosen)
     selection = _select_shapes(robot, bundle.kind, sections)
-    library = MeshLibrary(selection.links, bundle)
-    made = _make_meshes(robot, selection, sections, library, memo, show_progress)
+    inputs = _Inputs(robot, selection, sections, MeshLibrary(selection.links, bundle), memo)
+    made = _make_meshes(inputs, show_progress)
     shapes_by_link, files = _name_shapes(selection.links, made, limits)
     files |= textures.images(made.visuals.values(), bundle)
     shapes = [shape for link in selection.links for shape in shapes_by_link[link.name]]
-    reports = _reports(selection, made, shapes, files, library, sections, bundle.kind)
+    reports = _reports(inputs, made, shapes, files, bundle.kind)
     figures = [
         figures_of(collider, [part.name for part in made.parts_of(collider)]) for collider in made.colliders
     ]
-    # An exclude refers to shapes by their numbers, so only shapes that are written count.
-    written = [shape for shape in shapes if shape.file is None or mesh_section.assets == "files"]
-    declared, excluded = mesh_section.basis == "declared", selection.excluded_pairs
-    contacts = self_contacts(robot, written, files, sections.contact, memo, excluded, figures, declared)
+    contacts = _contacts(inputs, shapes, files, figures)
     choices = link_uses.choices_by_collider(made.colliders, made.uses)
     contact_shapes = with_properties(shapes, choices, sections.geoms, contacts.by_source)
-    (final_shapes, assets), asset_reports = convert_assets(
-        contact_shapes, files, mesh_section, obj_only=limits.obj
-    )
+    assets = convert_assets(contact_shapes, files, mesh_section, obj_only=limits.obj)
     result = Geometry(
-        final_shapes,
-        assets,
-        (*reports, *contacts.diagnostics, *asset_reports),
+        assets.shapes,
+        assets.files,
+        (*reports, *contacts.diagnostics, *assets.reports),
         self_contact=contacts.on,
         excludes=contacts.excludes,
         touching=contacts.touching,
@@ -145,15 +150,9 @@ def _select_shapes(robot: Robot, source_kind: str, sections: "MeshSections") -> 
     return _Selection(links, choices, excluded, fine_link_names, log.found)
 
 
-def _make_meshes(
-    robot: Robot,
-    selection: _Selection,
-    sections: "MeshSections",
-    library: MeshLibrary,
-    memo: "Memo",
-    show_progress: "Shown | None",
-) -> _MadeMeshes:
+def _make_meshes(inputs: _Inputs, show_progress: "Shown | None") -> _MadeMeshes:
     """Makes the visual meshes and the colliders of all links."""
+    robot, selection, sections, library, memo = inputs
     links, mesh_section, source_decides = selection.links, sections.mesh, robot.mjcf is not None
     min_size = mesh_section.min_size
     uses = link_uses.used_meshes(links, library, selection.choices, memo, min_size, source_decides)
@@ -161,50 +160,57 @@ def _make_meshes(
     # Visual meshes are made beside the colliders, which take longer.
     with ThreadPoolExecutor(1, thread_name_prefix="visuals") as pool:
         visuals_future = pool.submit(link_uses.link_visuals, uses, library, mesh_section, memo)
-        made_colliders, false_pairs = _make_colliders(
-            robot, selection, jobs, sections.contact, library, memo, show_progress
-        )
+        made_colliders, false_pairs = _make_colliders(inputs, jobs, show_progress)
         return _MadeMeshes(uses, visuals_future.result(), made_colliders, false_pairs)
 
 
 def _make_colliders(
-    robot: Robot,
-    selection: _Selection,
-    jobs: Sequence[ColliderJob],
-    contact_section: "ContactSection",
-    library: MeshLibrary,
-    memo: "Memo",
-    show_progress: "Shown | None",
+    inputs: _Inputs, jobs: Sequence[ColliderJob], show_progress: "Shown | None"
 ) -> tuple[list[MadeCollider], Sequence[FalsePair]]:
     """Makes the colliders of all jobs; see `_MadeMeshes` for the order and the pairs."""
+    robot, selection, sections, library, memo = inputs
     other_jobs = [job for job in jobs if not job.choice.by_contact]
     other_colliders = collide(other_jobs, library, memo, show_progress)
     contact_jobs = [job for job in jobs if job.choice.by_contact]
     fixed = fixed_pieces(selection.links, other_colliders)
     solid_links = {*fixed, *(job.link for job in contact_jobs)}
-    apart = excluded_pairs(robot, solid_links, contact_section, selection.excluded_pairs)
-    request = ContactRequest(robot, contact_jobs, fixed, apart, selection.fine_link_names)
+    excluded = excluded_pairs(robot, solid_links, sections.contact, selection.excluded_pairs)
+    request = ContactRequest(robot, contact_jobs, fixed, excluded, selection.fine_link_names)
     collisions, false_pairs = by_contact(request, library, memo)
     contact_colliders = [
         MadeCollider(job, collision) for job, collision in zip(contact_jobs, collisions, strict=True)
     ]
-    position = {link.name: index for index, link in enumerate(selection.links)}
+    link_positions = {link.name: index for index, link in enumerate(selection.links)}
     # A stable sort: within a link, the order stays.
     made_colliders = [*other_colliders, *contact_colliders]
-    return sorted(made_colliders, key=lambda collider: position[collider.job.link]), false_pairs
+    return sorted(made_colliders, key=lambda collider: link_positions[collider.job.link]), false_pairs
+
+
+def _contacts(
+    inputs: _Inputs, shapes: Sequence[Shape], files: Mapping[str, bytes], figures: Sequence[ColliderFigures]
+) -> Contacts:
+    """Analyses the contact of the robot with itself. `figures`: those of all colliders."""
+    mesh_section = inputs.sections.mesh
+    # An exclude refers to shapes by their numbers, so only shapes that are written count.
+    written_shapes = [shape for shape in shapes if shape.file is None or mesh_section.assets == "files"]
+    return self_contacts(
+        inputs.robot,
+        written_shapes,
+        files,
+        inputs.sections.contact,
+        memo=inputs.memo,
+        chosen=inputs.selection.excluded_pairs,
+        figures=figures,
+        declared=mesh_section.basis == "declared",
+    )
 
 
 def _reports(
-    selection: _Selection,
-    made: _MadeMeshes,
-    shapes: Sequence[Shape],
-    files: Mapping[str, bytes],
-    library: MeshLibrary,
-    sections: "MeshSections",
-    source_kind: str,
+    inputs: _Inputs, made: _MadeMeshes, shapes: Sequence[Shape], files: Mapping[str, bytes], source_kind: str
 ) -> list[Diagnostic]:
     """Returns the reports on the configuration, the meshes and the colliders, but not on contacts and files.
     `files`: the meshes of the `shapes` by name."""
+    _, selection, sections, library, _ = inputs
     links, targets = selection.links, sections.target.chosen
     findings = {link.name: link_uses.part_findings(link, made.uses[link.name]) for link in links}
     default = default_choice(sections.mesh, shape_limits(targets))
@@ -229,32 +235,31 @@ def _name_shapes(
     pieces_by_link = _pieces_by_link(links, made, limits)
     primitives_by_link = {
         link.name: [
-            _NamedShape(shape, primitives.replacement_mesh(shape, limits))
+            _ShapeWithMesh(shape, primitives.replacement_mesh(shape, limits))
             for shape in primitives.shapes(link)
         ]
         for link in links
     }
-    names = file_names(
-        {
-            link: _file_counts(made, link, pieces, primitives_by_link[link])
-            for link, pieces in pieces_by_link.items()
-        }
-    )
+    counts = {
+        link: _file_counts(made, link, pieces, primitives_by_link[link])
+        for link, pieces in pieces_by_link.items()
+    }
+    names = file_names(counts)
     shapes_by_link: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
     for link, pieces in pieces_by_link.items():
         visual_names, collider_names = names[link]
-        next_name = iter(collider_names)
-        named_shapes = [
-            *(_collider_shape(link, piece, next_name, limits) for piece in pieces),
+        remaining_names = iter(collider_names)
+        link_shapes = [
+            *(_collider_shape(link, piece, remaining_names, limits) for piece in pieces),
             *(
-                _NamedShape(_mesh_shape(link, "visual", name, mesh), mesh)
+                _ShapeWithMesh(_mesh_shape(link, "visual", name, mesh), mesh)
                 for name, mesh in zip(visual_names, made.visuals[link].files, strict=True)
             ),
-            *(_primitive_shape(link, primitive, next_name) for primitive in primitives_by_link[link]),
+            *(_primitive_shape(link, primitive, remaining_names) for primitive in primitives_by_link[link]),
         ]
-        shapes_by_link[link] = [shape for shape, _ in named_shapes]
-        files |= {shape.file: mesh.data for shape, mesh in named_shapes if shape.file and mesh}
+        shapes_by_link[link] = [shape for shape, _ in link_shapes]
+        files |= {shape.file: mesh.data for shape, mesh in link_shapes if shape.file and mesh}
     return shapes_by_link, dict(sorted(files.items()))
 
 
@@ -273,34 +278,34 @@ def _pieces_by_link(
 
 
 def _collider_shape(
-    link: str, piece: _ColliderPiece, next_name: Iterator[str], limits: ShapeLimits
-) -> _NamedShape:
-    """Returns the shape of a collider's piece; a mesh takes the next file name."""
+    link: str, piece: _ColliderPiece, remaining_names: Iterator[str], limits: ShapeLimits
+) -> _ShapeWithMesh:
+    """Returns the shape of a collider's piece; a mesh takes the next of the remaining file names."""
     if isinstance(piece.solid, MeshFile):
-        mesh, shape = piece.solid, _mesh_shape(link, "collision", next(next_name), piece.solid)
+        mesh, shape = piece.solid, _mesh_shape(link, "collision", next(remaining_names), piece.solid)
     else:
         mesh, shape = None, primitives.collider(link, piece.solid)
     shape = replace(shape, collider=piece.collider_index)
-    return _NamedShape(primitives.with_form(shape, piece.parts, limits), mesh)
+    return _ShapeWithMesh(primitives.with_form(shape, piece.parts, limits), mesh)
 
 
-def _primitive_shape(link: str, primitive: _NamedShape, next_name: Iterator[str]) -> _NamedShape:
-    """Returns the shape of a link's own primitive, or of the mesh that replaces it, which takes the next file
-    name."""
+def _primitive_shape(link: str, primitive: _ShapeWithMesh, remaining_names: Iterator[str]) -> _ShapeWithMesh:
+    """Returns a link's own primitive, or the mesh that replaces it, with the next of the remaining names."""
     if primitive.mesh is None:
         return primitive
-    shape = _mesh_shape(link, "collision", next(next_name), primitive.mesh)
-    return _NamedShape(replace(shape, form=primitive.shape.form), primitive.mesh)
+    shape = _mesh_shape(link, "collision", next(remaining_names), primitive.mesh)
+    return _ShapeWithMesh(replace(shape, form=primitive.shape.form), primitive.mesh)
 
 
 def _file_counts(
-    made: _MadeMeshes, link: str, pieces: Sequence[_ColliderPiece], link_primitives: Sequence[_NamedShape]
+    made: _MadeMeshes, link: str, pieces: Sequence[_ColliderPiece], link_primitives: Sequence[_ShapeWithMesh]
 ) -> FileCounts:
-    """Returns the numbers of a link's files. `link_primitives`: see `_primitive_shape`."""
+    """Counts the files that a link needs. `link_primitives`: see `_primitive_shape`."""
     visuals = made.visuals[link]
-    words = part_words([made.uses[link].parts[index].name for index in visuals.owners])
+    visual_words = part_words([made.uses[link].parts[index].name for index in visuals.owners])
     solids = (*(piece.solid for piece in pieces), *(primitive.mesh for primitive in link_primitives))
-    return FileCounts(words or len(visuals.files), sum(isinstance(solid, MeshFile) for solid in solids))
+    collider_count = sum(isinstance(solid, MeshFile) for solid in solids)
+    return FileCounts(visual_words or len(visuals.files), collider_count)
 
 
 def _mesh_shape(link: str, role: Role, name: str, mesh: MeshFile) -> Shape:

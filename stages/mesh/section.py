@@ -34,15 +34,15 @@ class MeshSection(Section):
     """Meshes of the links."""
 
     collider: ColliderName = "ladder"
-    """Collision geometry. ladder: for each link a primitive, its convex hull, or the fewest convex pieces
-    with which it touches other links only where the links themselves touch; hull: the convex hull of each
-    link; coacd: at most 16 convex pieces for each part; primitives: for each part the box, sphere, capsule or
-    cylinder that fits it best, however badly it fits; raw: the mesh of each part as it is (MuJoCo and most
-    other engines take its convex hull); spheres: at most 64 spheres for each part, fewer where they meet
-    mesh.tolerance; visual: no colliders, the links touch nothing. The ladder's colliders of links that meet
-    the world also follow their surface (mesh.fine). With mesh.tolerance, or for a part that mesh.colliders
-    names, the ladder gives each part the cheapest collider within the tolerance: a primitive, its hull, or at
-    most 16 convex pieces."""
+    """Collision geometry. ladder: the simplest colliders that touch where the links touch, see below; hull:
+    the convex hull of each link; coacd: at most 16 convex pieces for each part; primitives: for each part the
+    box, sphere, capsule or cylinder that fits it best, however badly it fits; raw: the mesh of each part as
+    it is (MuJoCo and most other engines take its convex hull); spheres: at most 64 spheres for each part,
+    fewer where they meet mesh.tolerance; visual: no colliders, the links touch nothing. The ladder in detail:
+    each link has a primitive, its convex hull, or the fewest convex pieces with which it touches other links
+    only where the links themselves touch. The colliders of links that meet the world also follow their
+    surface (mesh.fine). With mesh.tolerance, or for a part that mesh.colliders names, each part has the
+    cheapest collider within the tolerance: a primitive, its hull, or at most 16 convex pieces."""
 
     colliders: Annotated[
         dict[Text, ColliderChoice],
@@ -54,19 +54,19 @@ class MeshSection(Section):
 
     tolerance: Annotated[PositiveLength | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for colliders that can follow the
-    surface; 5 % of the collider's surface may stand out up to three times as far. null: contact decides how
-    closely the colliders of the ladder fit; for other colliders, 1.5 % of the diagonal of the part's bounding
-    box, at least 0.001."""
+    surface; 5 % of the collider's surface may stand out up to three times as far. null: the ladder fits
+    as closely as contact requires; other colliders have 1.5 % of the diagonal of the part's bounding box, at
+    least 0.001."""
 
     fine: Annotated[Literal["auto", "all"] | tuple[Text, ...], example(["*finger*", "palm"])] = "auto"
     """Links whose colliders by the ladder also follow the surface, to within 1.5 % of the link's diagonal or
     1 mm, whichever is larger, with at most 12 pieces. auto: links that meet the world: the ends of chains,
-    the jaws beside which these move, and links with a frame whose name says so (foot, tool, grasp ...); all;
-    or globs on links."""
+    the fixed jaws of grippers, and links with a frame whose name says so (foot, tool, grasp ...); all: all
+    links; or globs on links."""
 
     extra_volume: NonNegative = 0.15
-    """Largest volume that a single primitive or hull may add to a part, as a share of the volume of the part
-    with a layer of mesh.tolerance around it."""
+    """Largest volume that a single primitive or hull may add to a part, as a share of the volume of the
+    part, thickened by mesh.tolerance all around."""
 
     max_vertices: VertexCount = 64
     """Largest number of vertices of one hull or convex piece."""
@@ -142,8 +142,7 @@ class MeshSections(OptionalSection, TargetSections):
         dict[Text, GeomSection], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
     ] = Field(default_factory=dict)
     """Glob on links, or on CAD parts for their colliders → properties of these geoms in the MJCF; later
-    entries win, property by property. A part that a glob matches, and whose link it does not match, has its
-    own collider."""
+    entries win, property by property. A part has its own collider if a glob matches it but not its link."""
 
     contact: ContactSection = ContactSection()
     """Contact between the links of the robot."""

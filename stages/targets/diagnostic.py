@@ -9,8 +9,8 @@ from linkwright.stages.targets.engines import ENGINES, ShapeLimits
 def replacement_diagnostic(change: str, targets: Collection[str], hint: str = "") -> Diagnostic:
     """Returns I-TARGET for a replacement.
 
-    `change`: what is replaced by what; `targets`: the targets that require it; `hint`: a hint after the names
-    of the targets, by default that nothing is replaced without them.
+    `change`: the replacement in words, such as "4 meshes in STL → OBJ"; `targets`: the targets that require
+    it; `hint`: the text after the names of the targets, by default that nothing is replaced without them.
     """
     default_hint = f"without {'it' if len(targets) == 1 else 'them'} this stays as it is"
     return Diagnostic("I-TARGET", change, "target", f"for {', '.join(targets)}; {hint or default_hint}")

@@ -29,20 +29,21 @@ from linkwright.stages.validate.model.seen_surfaces import SeenSurfaces
 from linkwright.stages.validate.model.shapes import is_bare_by_choice, seen_and_solid
 
 MIN_FALSE_DEPTH = 2e-3
-"""Depth [m] above which a contact can be false."""
+"""Depth [m] above which the contact of two colliders can be false."""
 
 MIN_FALSE_DISTANCE = 2e-3
-"""Distance [m] of visual shapes above which their contact is false; nearer shapes count as near."""
+"""Distance [m] of visual shapes above which a contact is false; nearer shapes are taken to touch."""
 
 TOUCH_DISTANCE = 1e-4
 """Distance [m] within which colliders touch: faces that slide on each other must touch, also in single
 precision."""
 
 MIN_HOME_FALSE_DEPTH = 1e-5
-"""The same depth at `home` [m]: a smaller one is a mere touch."""
+"""Depth [m] above which a contact can be false at `home`: a smaller depth is a mere touch."""
 
 MIN_HOME_FALSE_DISTANCE = 2e-4
-"""The same distance at `home` [m]: nearer shapes may touch in CAD, since meshes deviate by as much."""
+"""Distance [m] of visual shapes above which a contact is false at `home`: nearer shapes may touch in CAD,
+since meshes deviate by as much."""
 
 SLIDE_TRAVEL = 0.5
 """Travel [m] of slides without limits."""
@@ -123,18 +124,22 @@ class _ContactJudge:
         self.data = mujoco.MjData(self.model)
         body_of_link = {link.name: body_index(self.model, link.name) for link in compiled.robot.links}
         visuals, self.colliders = _judged_geoms(compiled, body_of_link)
+        """Judged body → its geoms that are colliders, in the order of the bodies."""
         self.bodies = np.array(list(self.colliders), dtype=int)
         self.body_of_geom = np.full(self.model.ngeom, -1)
+        """Judged body of each collider (ngeom,); -1 for other geoms."""
         for body, geoms in self.colliders.items():
             self.body_of_geom[geoms] = body
         self.surfaces = SeenSurfaces(self.model, visuals)
         boxes = np.array([self.surfaces.box(body) for body in self.colliders]).reshape(-1, 2, 3)
         self.box_centres, self.box_half_sizes = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2.0
         self.reasons: dict[tuple[int, int], ExcludeReason] = {}
+        """Excluded pair of bodies → why it is excluded."""
         self.partly_excluded_pairs: set[tuple[int, int]] = set()
+        """Pairs of bodies of which only some colliders are excluded."""
         for exclude in compiled.geometry.excludes if compiled.geometry else ():
-            ends = body_of_link.get(exclude.link_a, -1), body_of_link.get(exclude.link_b, -1)
-            pair = min(ends), max(ends)
+            bodies = body_of_link.get(exclude.link_a, -1), body_of_link.get(exclude.link_b, -1)
+            pair = min(bodies), max(bodies)
             self.reasons[pair] = exclude.reason
             if exclude.geoms:
                 self.partly_excluded_pairs.add(pair)
@@ -161,7 +166,6 @@ class _ContactJudge:
         contacts = self.data.contact
         pairs = np.sort(self.body_of_geom[contacts.geom.reshape(-1, 2)], axis=1)
         for (first, second), distance in zip(pairs.tolist(), contacts.dist.tolist(), strict=True):
-            # -1 is a geom that is not a collider of a judged body.
             if 0 <= first != second:
                 depths[first, second] = max(-distance, depths.get((first, second), -np.inf))
         return depths
@@ -264,12 +268,12 @@ def _judged_geoms(
     compiled: CompiledModel, body_of_link: Mapping[str, int]
 ) -> tuple[dict[int, list[int]], dict[int, list[int]]]:
     """Returns the visual geoms and the colliders of each judged body, in the order of the bodies."""
-    comparable = {body_of_link[link.name] for link in compiled.robot.links if _is_comparable(link)}
+    comparable_bodies = {body_of_link[link.name] for link in compiled.robot.links if _is_comparable(link)}
     visuals, colliders = dict[int, list[int]](), dict[int, list[int]]()
     for body, (visual_geoms, colliding_geoms) in sorted(seen_and_solid(compiled.model).items()):
-        if body not in comparable or not visual_geoms:
+        if body not in comparable_bodies or not visual_geoms:
             continue
-        if colliding_geoms or not _is_bare_by_intent(compiled, body):
+        if colliding_geoms or not _has_no_collider_on_purpose(compiled, body):
             visuals[body], colliders[body] = visual_geoms, colliding_geoms
     return visuals, colliders
 
@@ -278,30 +282,26 @@ def _is_comparable(link: Link) -> bool:
     """Tells whether a link's visual shapes can be compared with its colliders: all colliders are visible, or
     there are purely visual shapes in their place."""
     parts = [part for part in link.parts if part.mesh is not None]
-    has_unseen_collider = any(not part.seen for part in parts) or any(
-        not shape.visual for shape in link.shapes
-    )
-    has_visual_only = any(not part.collides for part in parts) or any(
-        not shape.collision for shape in link.shapes
-    )
-    return has_visual_only or not has_unseen_collider
+    are_visible = [*(part.seen for part in parts), *(shape.visual for shape in link.shapes)]
+    are_colliding = [*(part.collides for part in parts), *(shape.collision for shape in link.shapes)]
+    return all(are_visible) or not all(are_colliding)
 
 
-def _is_bare_by_intent(compiled: CompiledModel, body: int) -> bool:
-    """Tells whether a body without colliders is intended to have none."""
+def _has_no_collider_on_purpose(compiled: CompiledModel, body: int) -> bool:
+    """Tells whether the MJCF source or the configuration leaves a body without colliders."""
     return compiled.robot.mjcf is not None or is_bare_by_choice(compiled, compiled.model.body(body).name)
 
 
 def _value(value: Any) -> float | tuple[float, ...]:
-    """Returns the value of a dof, a number or an array, as a number or a tuple."""
+    """Returns the value of a dof, which is a number or an array (n,), as a number or a tuple."""
     return float(value) if np.ndim(value) == 0 else tuple(map(float, value))
 
 
 def never_collide(model: Any, first: int, second: int) -> bool:
     """Tells whether MuJoCo never lets two bodies collide, whatever contact the file allows.
 
-    These are bodies that are fixed to each other; and, unless the flag `filterparent` is disabled, parent and
-    child if neither is fixed to the world.
+    It never lets bodies collide that are fixed to each other; nor, unless the flag `filterparent` is
+    disabled, a parent and its child if neither is fixed to the world.
     """
     # A body's weld is the uppermost body to which it is fixed; 0 is the world.
     first_weld, second_weld = (int(model.body_weldid[body]) for body in (first, second))

@@ -83,7 +83,11 @@ def pose_findings(
         findings.append(differs(element, position, actual[:3, 3], expected[:3, 3], "m"))
     if not angle <= least:
         findings.append(
-            Finding(element, turn, f"is turned by {shown(np.degrees(angle))} degrees from the expected")
+            Finding(
+                element,
+                turn,
+                f"is turned by {shown(np.degrees(angle))} degrees from the expected orientation",
+            )
         )
     return tuple(findings)
 

@@ -1,5 +1,5 @@
-"""Lists the checks of files that no engine reads. A reader is imported only if its file exists: that of USD
-takes 0.3 s."""
+"""Lists the checks of files that no engine reads. The readers of SDF and USD are imported only if their files
+exist: that of USD takes 0.3 s."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -25,6 +25,7 @@ def _check_usd(path: Path, written: Written, quick: bool) -> Iterable[Check]:
 
 
 def _check_srdf(path: Path, written: Written, quick: bool) -> Iterable[Check]:
+    # A `FormatCheck` passes `quick` by position, which `check_srdf` takes only by name.
     return check_srdf(path, written, quick=quick)
 
 

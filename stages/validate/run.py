@@ -23,7 +23,7 @@ from linkwright.stages.validate.engines import ENGINES
 from linkwright.stages.validate.files.model_config import model_config
 from linkwright.stages.validate.files.run import check_folder
 from linkwright.stages.validate.format_checks import FORMAT_CHECKS
-from linkwright.stages.validate.model.coordinates import missing_names
+from linkwright.stages.validate.model.coordinates import find_missing_names
 from linkwright.stages.validate.readiness.finished import FinishedRobot
 from linkwright.stages.validate.readiness.score import score
 from linkwright.stages.validate.reading.guarded import guarded
@@ -146,6 +146,6 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
 
 def _check_model(compiled: CompiledModel, checks: Sequence[ModelCheck]) -> Iterator[Check]:
     """Yields the results of the checks; if a link or joint is missing, only those of the first check."""
-    for row in checks[:1] if missing_names(compiled) else checks:
+    for row in checks[:1] if find_missing_names(compiled) else checks:
         results = guarded(f"{compiled.path.name}: {row.title}", partial(row.function, compiled))
         yield from (replace(check, code=check.code or row.code) for check in results)

@@ -6,7 +6,7 @@ import os
 import pytest
 
 from linkwright.stages.validate.external import TOOLS
-from linkwright.stages.validate.external.run import USES
+from linkwright.stages.validate.external.run import TOOL_USES
 from tests.support.command import called
 from tests.support.other_robots import AS_IT_IS, ROBOTS, is_here, source_of
 
@@ -28,5 +28,5 @@ def test_no_checker_finds_an_error(name, tmp_path):
     )
     (report,) = tmp_path.glob("out*/report.json")
     external = [check for check in json.loads(report.read_text())["checks"] if check["code"] == "C-EXTERNAL"]
-    assert len(external) == sum(len(USES[tool.name].endings) for tool in present)
+    assert len(external) == sum(len(TOOL_USES[tool.name].endings) for tool in present)
     assert [entry["detail"] for entry in external if entry["value"] != 0.0] == []

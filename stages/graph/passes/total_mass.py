@@ -14,9 +14,9 @@ def scale_to_total_mass(robot: Robot, total_mass: float | None, log: Diagnostics
     """Scales all estimated masses, and their inertias, by a common factor, so that the robot has `total_mass`
     [kg].
 
-    Reports the factor (I-MASS-TOTAL), and E-MASS if no mass is estimated, or if the known masses reach the
-    total. The estimate of a part does not count if the user gave the mass of its whole link. The robot stays
-    as it is without a total, and if the log already has problems.
+    Reports the factor as I-MASS-TOTAL. Reports E-MASS if no mass is estimated, or if the known masses reach
+    the total. The estimate of a part does not count if the user gave the mass of its whole link. Returns the
+    robot unchanged after E-MASS, without a total, and if the log already has problems.
     """
     if total_mass is None or log.problems:
         return robot
@@ -27,25 +27,25 @@ def scale_to_total_mass(robot: Robot, total_mass: float | None, log: Diagnostics
     known_mass = sum(link.inertial.mass for link in robot.links) - estimated_mass
     if estimated_mass == 0.0:
         text = (
-            f"the robot weighs {known_mass:.6g} kg, and no mass is estimated that may be scaled to "
-            f"{total_mass:g} kg"
+            f"the robot weighs {known_mass:.6g} kg, and no mass is estimated: nothing can be "
+            f"scaled to reach {total_mass:g} kg"
         )
         hint = "correct the masses that are wrong: mass: {parts: {...}, links: {...}}"
         log.report("E-MASS", text, _CONFIG_KEY, hint)
         return robot
-    parts = count(len(estimated_parts), "part")
+    part_count = count(len(estimated_parts), "part")
     if total_mass <= known_mass:
         text = (
-            f"{total_mass:g} kg is too little: without its {parts} of estimated mass, the robot already "
+            f"{total_mass:g} kg is too little: without its {part_count} of estimated mass, the robot already "
             f"weighs {known_mass:.6g} kg"
         )
         hint = "correct the known masses that are too large (mass.parts, mass.links), or the total"
         log.report("E-MASS", text, _CONFIG_KEY, hint)
         return robot
     factor = (total_mass - known_mass) / estimated_mass
-    change = f"by {factor:.4g}, from {estimated_mass:.4g} kg to {total_mass - known_mass:.4g} kg"
-    log.report("I-MASS-TOTAL", f"the estimated masses of {parts} are scaled {change}", _CONFIG_KEY)
-    # Parts of a kind share one Inertial object. Keyed by its identity, the scaled one is shared, too.
+    change_text = f"by {factor:.4g}, from {estimated_mass:.4g} kg to {total_mass - known_mass:.4g} kg"
+    log.report("I-MASS-TOTAL", f"the estimated masses of {part_count} are scaled {change_text}", _CONFIG_KEY)
+    # Equal parts share an Inertial object. With its identity as key, they also share the scaled object.
     scaled_inertials = {
         id(part.inertial): scaled(part.inertial, part.inertial.mass * factor) for part in estimated_parts
     }

@@ -138,7 +138,7 @@ def _halves(
     least volume are compared; the result is empty if no plane reduces the volume."""
     cloud = chunk.cloud()
     axes = planes.axes_of(chunk.surface)
-    candidates = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
+    candidates = planes.crossing([*faces, *planes.through(axes, cloud)], cloud)
 
     def roughly(*sides: Points) -> float:
         volume = sum(hull.volume for side in sides if (hull := qhull(side)) is not None)

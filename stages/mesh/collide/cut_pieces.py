@@ -30,6 +30,7 @@ from linkwright.stages.mesh.surfaces.pieces import Piece, beyond_piece, surface_
 from linkwright.stages.mesh.surfaces.snapping import on_grid, snapped
 
 Flags = npt.NDArray[np.bool_]
+Pair = tuple[Portion, Portion]
 
 MAX_PIECES = 16
 """Largest number of pieces of a part."""
@@ -47,11 +48,11 @@ _ROUGH_POINT_COUNT = 150
 """Number of points on a hull whose cost only ranks planes."""
 
 _MAX_FAR_SHARE = 0.04
-"""Share of the outer surface that may stand out by more than the tolerance when cutting ends. 5 % are
-allowed, but points do not show everything."""
+"""Share of the outer surface that may stand out by more than the tolerance when cutting ends. This is
+below the allowed 5 %, since points do not show everything."""
 
 _MAX_DISTANCE = 2.7
-"""Distance, in tolerances, by which points may stand out when cutting ends. 3 are allowed, likewise."""
+"""Distance, in tolerances, by which points may stand out when cutting ends: below the allowed 3 as well."""
 
 _FACE_OFFSET = 0.1
 """Distance of a plane from a flat face, in tolerances."""
@@ -80,13 +81,10 @@ _COST_DECIMALS = 9
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Pieces of a part, and whether they are near enough to it."""
+    """Pieces of a part, and whether they are within its tolerance."""
 
     pieces: tuple[Piece, ...]
-    is_near: bool
-
-
-Pair = tuple[Portion, Portion]
+    meets_tolerance: bool
 
 
 class _CommonHull(NamedTuple):
@@ -106,55 +104,56 @@ class PieceCutter:
         self._distances = Field.of(judge.target, judge.tolerance)
         self._seam_width = _SEAM_WIDTH * judge.target.diagonal
         self._part_area = judge.surface.area()
-        # Results of `_points_inside` and `_pieces`.
+        # Results of `_points_inside` and `_pieces_of`.
         self._inside: dict[Pair, Flags | None] = {}
         self._piece_of: dict[Portion, Piece] = {}
 
     def cut(self) -> Cut:
-        """Returns the fewest pieces, at most 16, that are near enough. If there are none, returns the nearest
-        pieces of all starts: the whole part, and a round part's sectors."""
+        """Returns the fewest pieces, at most 16, within the tolerance; if no start gives them, the nearest
+        pieces of all starts. The starts are the whole part, then the sectors of a round part."""
         whole = self._judge.surface
         cuts: list[Cut] = []
         for start in itertools.chain([[whole]], cut_into_sectors(whole)):
-            cut = self.join(self._cut_until_near(self._portions(start)))
-            if cut.is_near:
+            cut = self.join(self._cut_to_tolerance(self._portions_of(start)))
+            if cut.meets_tolerance:
                 return cut
             cuts += [cut] if cut.pieces else []
         if len(cuts) == 1:  # no need to measure, which takes time
             return cuts[0]
-        return min(cuts, key=self._miss, default=Cut((), is_near=False))
+        return min(cuts, key=self._miss, default=Cut((), meets_tolerance=False))
 
     def prepare(self, pieces: Sequence[Piece]) -> list[Portion]:
         """Returns pieces that were made elsewhere as portions, to be joined."""
         originals = [piece if vertices(piece) <= self._max_vertices else None for piece in pieces]
         hulls = map(surface_of, pieces)
-        return [self._portion(hull, hull, original) for hull, original in zip(hulls, originals, strict=True)]
+        pairs = zip(hulls, originals, strict=True)
+        return [self._make_portion(hull, hull, original) for hull, original in pairs]
 
-    def join(self, portions: Sequence[Portion], max_pieces: int | None = None) -> Cut:
+    def join(self, portions: Sequence[Portion], max_pieces: int = MAX_PIECES) -> Cut:
         """Joins, again and again, the two portions whose common hull stands out least, and returns the fewest
-        pieces that are near enough, at most `max_pieces` (default: 16). If it finds none, returns the first
-        pieces that are few enough."""
+        pieces that are within the tolerance, at most `max_pieces`. If no pieces are, returns those after the
+        first joins that leave at most `max_pieces`."""
         states = [[*portions]]
         hulls: dict[Pair, _CommonHull] = {}
         while len(states[-1]) > 1 and (next_state := self._join_pair(states[-1], hulls)):
             states.append(next_state)
-        allowed = [state for state in states if len(state) <= (max_pieces or MAX_PIECES)]
+        allowed = [state for state in states if len(state) <= max_pieces]
         if not allowed:
-            return Cut((), is_near=False)
-        # Each join takes the pieces further from the part, so bisection finds the last state that is near.
-        best = Cut(self._pieces(allowed[0]), is_near=False)
+            return Cut((), meets_tolerance=False)
+        # Joins take the pieces away from the part, so bisection finds the last state within the tolerance.
+        best = Cut(self._pieces_of(allowed[0]), meets_tolerance=False)
         low, high = 0, len(allowed) - 1
         while low <= high:
             middle = (low + high) // 2
-            pieces = self._pieces(allowed[middle])
-            if self._are_near(pieces):
-                best, low = Cut(pieces, is_near=True), middle + 1
+            pieces = self._pieces_of(allowed[middle])
+            if self._meet_tolerance(pieces):
+                best, low = Cut(pieces, meets_tolerance=True), middle + 1
             else:
                 high = middle - 1
         return best
 
-    def _are_near(self, pieces: Sequence[Piece]) -> bool:
-        """Tells whether the pieces are near enough, by a quick test and then by an exact one."""
+    def _meet_tolerance(self, pieces: Sequence[Piece]) -> bool:
+        """Tells whether the pieces are within the tolerance, by a quick test and then by an exact test."""
         if not pieces or self._judge.is_hopeless(pieces, points=_QUICK_TEST_POINT_COUNT):
             return False
         return self._judge.is_near(pieces)
@@ -163,7 +162,7 @@ class PieceCutter:
         """Returns by how much a cut is off, in tolerances."""
         return miss(self._judge.measure(cut.pieces), self._judge.tolerance)
 
-    def _pieces(self, portions: Sequence[Portion]) -> tuple[Piece, ...]:
+    def _pieces_of(self, portions: Sequence[Portion]) -> tuple[Piece, ...]:
         """Returns the pieces of portions, in an order that depends on their shapes only."""
         for portion in portions:
             if portion not in self._piece_of:
@@ -171,7 +170,7 @@ class PieceCutter:
                 self._piece_of[portion] = piece
         return tuple(sorted((self._piece_of[portion] for portion in portions), key=_sort_key))
 
-    def _portion(self, surface: Surface, hull: Surface, original: Piece | None = None) -> Portion:
+    def _make_portion(self, surface: Surface, hull: Surface, original: Piece | None = None) -> Portion:
         """Returns the portion of a surface, with points on its hull. `original`: see `Portion`."""
         coarse_hull = hull
         if len(hull.vertices) > _MAX_CORNERS:
@@ -184,13 +183,13 @@ class PieceCutter:
             surface, hull, hull.volume(), points, distances, point_area, beyond, low, high, original
         )
 
-    def _portions(self, surfaces: Sequence[Surface]) -> list[Portion]:
+    def _portions_of(self, surfaces: Sequence[Surface]) -> list[Portion]:
         """Returns the portions of the surfaces that span a volume."""
         hulls = [hull_surface(surface.vertices) for surface in surfaces]
         pairs = zip(surfaces, hulls, strict=True)
-        return [self._portion(surface, hull) for surface, hull in pairs if hull is not None]
+        return [self._make_portion(surface, hull) for surface, hull in pairs if hull is not None]
 
-    def _outer(self, portion: Portion, portions: Sequence[Portion]) -> Flags:
+    def _outer_points(self, portion: Portion, portions: Sequence[Portion]) -> Flags:
         """Tells which points of a portion are on the outer surface of all portions."""
         outer = np.ones(len(portion.points), dtype=bool)
         for neighbour in portions:
@@ -216,49 +215,50 @@ class PieceCutter:
         seam = self._seam_width
         return bool((first.low <= second.high + seam).all() and (second.low <= first.high + seam).all())
 
-    def _points_show_near(self, portions: Sequence[Portion]) -> bool:
-        """Tells whether the portions are near enough as far as their points show."""
+    def _points_meet_tolerance(self, portions: Sequence[Portion]) -> bool:
+        """Tells whether the outer points of the portions are within the tolerance, with a margin."""
         area = far_area = farthest = 0.0
         for portion in portions:
-            distances = portion.distances[self._outer(portion, portions)]
+            distances = portion.distances[self._outer_points(portion, portions)]
             area += portion.point_area * len(distances)
             far_area += portion.point_area * int((distances > 1).sum())
             farthest = max(farthest, float(distances.max(initial=0.0)))
         return far_area <= _MAX_FAR_SHARE * area and farthest <= _MAX_DISTANCE
 
-    def _cut_until_near(self, portions: Sequence[Portion]) -> list[Portion]:
-        """Cuts again and again the portion that stands out most, until all are near enough or too many."""
-        current = [*portions]
+    def _cut_to_tolerance(self, portions: Sequence[Portion]) -> list[Portion]:
+        """Cuts again and again the portion that stands out most, until their points are within the tolerance,
+        or the portions are too many."""
 
         def costs(state: list[Portion]) -> list[float]:
-            outer_costs = [portion.cost(self._outer(portion, state)) for portion in state]
+            outer_costs = [portion.cost(self._outer_points(portion, state)) for portion in state]
             return [round(cost / self._part_area, _COST_DECIMALS) for cost in outer_costs]
 
+        # `cut_costliest` yields at least the portions as they are.
         for current in cut_costliest(portions, costs, self._halve):
-            if len(current) >= _MAX_PORTIONS or self._points_show_near(current):
+            if len(current) >= _MAX_PORTIONS or self._points_meet_tolerance(current):
                 break
         return current
 
     def _halve(self, portion: Portion) -> list[Portion]:
-        """Returns the halves of a portion, cut by the best plane; nothing if it cannot be cut. Costs are
-        weighted by volume, so that solid portions are cut off first."""
+        """Returns the halves of a portion, cut by the best plane; an empty list if it cannot be cut.
+        Costs are weighted by volume, so that solid portions are cut off first."""
         cloud, axes = cloud_of(portion.surface, _CELLS_ALONG_DIAGONAL), planes.axes_of(portion.surface)
         faces = planes.flat_faces(portion.surface, _FACE_OFFSET * self._judge.tolerance)
-        candidates = planes.crossing(iter([*faces, *planes.through(axes, cloud)]), cloud)
+        candidates = planes.crossing([*faces, *planes.through(axes, cloud)], cloud)
         cost_unit = self._part_area * portion.volume  # costs are shares of this
 
-        def rough_cost(*sides: Points) -> float:
+        def cost_of_sides(*sides: Points) -> float:
             hulls = [hull for side in sides if (hull := hull_surface(side)) is not None]
-            cost = sum(self._rough_cost(hull) * hull.volume() for hull in hulls)
+            cost = sum(self._rough_hull_cost(hull) * hull.volume() for hull in hulls)
             return round(cost / cost_unit, _COST_DECIMALS)
 
         least_cost, best_halves = np.inf, list[Portion]()
         planes_left, slice_by = self._plane_count, make_slicer(portion.surface)
-        for _, (normal, height) in planes.ranked(candidates, cloud, rough_cost):
+        for _, (normal, height) in planes.ranked(candidates, cloud, cost_of_sides):
             if not planes_left:
                 break
             sides = slice_by(normal, height)
-            halves = self._portions(sides)
+            halves = self._portions_of(sides)
             if len(halves) < len(sides):
                 continue  # a flat side would be bare
             planes_left -= 1
@@ -267,7 +267,7 @@ class PieceCutter:
                 least_cost, best_halves = cost, halves
         return best_halves
 
-    def _rough_cost(self, hull: Surface) -> float:
+    def _rough_hull_cost(self, hull: Surface) -> float:
         """Returns the cost of a hull [m²], see `Portion.cost`, from a few points."""
         points = evenly_spread(hull.corners, _ROUGH_POINT_COUNT).points
         return hull.area() / _ROUGH_POINT_COUNT * total_excess(self._distances(points))
@@ -279,7 +279,7 @@ class PieceCutter:
             hull = hulls[pair].surface
             if hull is None:
                 continue
-            joined = self._portion(hull, hull)
+            joined = self._make_portion(hull, hull)
             cost = self._cost_of_join(pair, joined, portions)
             if cost < least_cost:
                 position = min(portions.index(portion) for portion in pair)
@@ -304,8 +304,8 @@ class PieceCutter:
     def _cost_of_join(self, pair: Pair, joined: Portion, portions: Sequence[Portion]) -> float:
         """Returns the cost that the `joined` pair adds to that of all `portions`, as a share of the part's
         area, plus the distance by which a point of it stands out too far."""
-        outer = self._outer(joined, [portion for portion in portions if portion not in pair])
-        cost = joined.cost(outer) - sum(half.cost(self._outer(half, portions)) for half in pair)
+        outer = self._outer_points(joined, [portion for portion in portions if portion not in pair])
+        cost = joined.cost(outer) - sum(half.cost(self._outer_points(half, portions)) for half in pair)
         # A point that stands out too far outweighs any area.
         too_far = max(0.0, float(joined.distances[outer].max(initial=0.0)) - _MAX_DISTANCE)
         return round(cost / self._part_area, _COST_DECIMALS) + round(too_far, 3)

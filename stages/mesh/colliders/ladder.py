@@ -82,7 +82,7 @@ def _collider_of_pieces(judge: Judge, cut: Cut, whole_hull: Collision) -> Collis
     """Returns the collider of cut pieces, some of them replaced by primitives. Pieces that miss the tolerance
     are used only if they are so much nearer than the `whole_hull` that they are worth their cost in a
     simulation; otherwise returns the hull, with a note on how near the pieces would be."""
-    pieces = _with_primitives(judge, [*map(surface_of, cut.pieces)]) if cut.is_near else cut.pieces
+    pieces = _with_primitives(judge, [*map(surface_of, cut.pieces)]) if cut.meets_tolerance else cut.pieces
     measures = judge.measure(pieces)
     misses = miss(measures, judge.tolerance)
     if misses <= 1 or whole_hull.measures is None:

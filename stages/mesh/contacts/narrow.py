@@ -19,14 +19,15 @@ pieces always do."""
 def excluded_shape_pairs(
     touching: Mask, first_colliders: Sequence[Hashable], second_colliders: Sequence[Hashable]
 ) -> Mask:
-    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links are apart in a pose.
+    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links do not touch in some
+    pose.
 
-    `touching` (poses, m, n): whether each shape of the first link touches each shape of the second.
-    `first_colliders` (m), `second_colliders` (n): the collider of which each shape is a piece.
+    `touching` (poses, m, n): whether each shape of the first link touches each shape of the second, pose by
+    pose. `first_colliders` (m), `second_colliders` (n): the collider of which each shape is a piece.
 
-    If two colliders touch in every pose, their pieces that touch in every pose are excluded; all their pieces
-    are, if the other pieces touch in too many poses. If the remaining shapes of the links still touch in
-    every pose, all shapes are excluded.
+    If two colliders touch in every pose, the pairs of their pieces that touch in every pose are excluded, or
+    all pairs of their pieces if the other pairs touch in too many poses. If the remaining shapes of the links
+    still touch in every pose, all shapes are excluded.
     """
     excluded = np.zeros(touching.shape[1:], dtype=bool)
     if not _touch_in_every_pose(touching):
@@ -50,13 +51,13 @@ def _excluded_piece_pairs(touching: Mask) -> Mask:
 
 
 def _touch_in_every_pose(touching: Mask) -> bool:
-    """Tells whether at least one pair touches in every pose, the same pair or another; false without poses.
+    """Tells whether in every pose at least one pair touches, not always the same pair; false without poses.
     `touching`: (poses, m, n)."""
     return len(touching) > 0 and bool(touching.any(axis=(1, 2)).all())
 
 
 def _indices_by_label(labels: Sequence[Hashable]) -> list[list[int]]:
-    """Returns for each distinct label the indices at which it stands."""
+    """Returns a list for each distinct label: the indices of the entries with this label."""
     groups: dict[Hashable, list[int]] = {}
     for index, label in enumerate(labels):
         groups.setdefault(label, []).append(index)

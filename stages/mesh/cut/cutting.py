@@ -21,8 +21,8 @@ P = TypeVar("P")
 
 
 def make_slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:
-    """Returns a function that cuts the surface by a plane, given its unit normal (3,) and its height [m], and
-    returns the sides that are not empty.
+    """Returns a function that cuts the surface by a plane, given its unit normal (3,) and its height [m]
+    along the normal, and returns the sides that are not empty.
 
     The sides of a closed surface are closed, so that pieces leave no gap where planes meet inside a solid.
     """
@@ -39,10 +39,11 @@ def make_slicer(surface: Surface) -> Callable[[Points, float], list[Surface]]:
 def cut_costliest(
     pieces: Sequence[P], costs: Callable[[list[P]], Sequence[float]], halve: Callable[[P], list[P]]
 ) -> Iterator[list[P]]:
-    """Yields all pieces, first as they are, then after each cut. Each cut replaces the costliest piece that
-    can be halved by its halves; it ends when no piece with a cost above 0 can be halved.
+    """Yields all pieces, first as they are, then after each cut. Ends when no piece with a cost above 0 can
+    be halved. Each cut halves the costliest of the pieces that can be halved, and puts the halves in its
+    place.
 
-    `costs`: returns the cost of each piece; `halve`: returns the halves of a piece, or nothing.
+    `costs`: returns the cost of each piece; `halve`: returns the halves of a piece, or an empty list.
     """
     current = [*pieces]
     while True:
@@ -58,8 +59,8 @@ def cut_costliest(
 
 
 def cut_by_plane(surface: Surface, normal: Points, height: float) -> tuple[Surface, Surface]:
-    """Returns the two sides of a surface: where normal·x ≤ `height`, and the rest. Both stay open at the
-    plane. `normal`: (3,)."""
+    """Returns the two sides of a surface: the side where normal·x ≤ `height` [m], and the other side. Both
+    stay open at the plane. `normal`: unit vector (3,)."""
     points, triangles = surface.vertices, surface.triangles
     heights = points @ normal - height
     is_high = (heights > 0)[triangles]
@@ -94,6 +95,7 @@ def cut_by_plane(surface: Surface, normal: Points, height: float) -> tuple[Surfa
 def _points_at_plane(points: Points, heights: Points, starts: Indices, ends: Indices) -> Points:
     """Returns the points (m, 3) at which edges cross a plane. `points`: (n, 3); `heights`: their heights
     above the plane (n,) [m]; `starts`, `ends`: indices of the points of each edge (m,)."""
+    # The height is 0 at this share of the way from the start of an edge to its end.
     shares = heights[starts] / (heights[starts] - heights[ends])
     crossings: Points = points[starts] + shares[:, None] * (points[ends] - points[starts])
     return crossings
@@ -127,10 +129,10 @@ def _sectors(surface: Surface, axis: int, plane_count: int) -> list[Surface]:
     """Cuts a surface by planes at equal angles. The planes contain the line along `axis` (0, 1, 2: x, y, z)
     through the centre of the surface's box."""
     centre = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
-    first, second = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
+    first_axis, second_axis = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
     sectors = [surface]
     for angle in np.pi * np.arange(plane_count) / plane_count:
-        normal = np.cos(angle) * first + np.sin(angle) * second
+        normal = np.cos(angle) * first_axis + np.sin(angle) * second_axis
         height = float(normal @ centre)
         sectors = [side for sector in sectors for side in make_slicer(sector)(normal, height)]
     return sectors

@@ -83,7 +83,7 @@ def past_obstacles(axes: Points, obstacles: Array) -> Iterator[Plane]:
             yield axis, float(height)
 
 
-def crossing(planes: Iterator[Plane], points: Points) -> list[Plane]:
+def crossing(planes: Iterable[Plane], points: Points) -> list[Plane]:
     """Returns the planes that have points on both sides, without duplicates."""
     distinct: dict[tuple[float, ...], Plane] = {}
     for normal, height in planes:

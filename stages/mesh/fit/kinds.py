@@ -13,13 +13,13 @@ from linkwright.stages.mesh.fit.circles import smallest_ball
 from linkwright.stages.mesh.fit.directions import Silhouette, axes_across, frames, silhouettes
 from linkwright.stages.mesh.fit.outline import Floats, Outline, outline_of
 from linkwright.stages.mesh.fit.refine import max_refined_error, refined
-from linkwright.stages.mesh.fit.score import least_error, primitive_error
+from linkwright.stages.mesh.fit.score import error_lower_bound, primitive_error
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Primitive, PrimitiveKind, frozen
 
 _EQUAL_ERROR_SHARE = 1e-3
-"""Two errors count as equal if they differ by at most this share of the smaller error, plus the square of
-this share times the part's size."""
+"""Share by which an error may exceed the smallest error and still count as equal to it:
+error ≤ smallest · (1 + share) + share² · size, with the size of the part [m]."""
 
 _MAX_AXES = 3
 """Largest number of axes of cylinders and capsules: those of the smallest cylinders."""
@@ -28,8 +28,8 @@ _MAX_FINE_FITS = 3
 """Largest number of fits of a kind that are measured finely, with many sample points."""
 
 _MAX_FINE_ERROR = 4.0
-"""Coarse error of a kind's best fit, in default tolerances, from which on only this fit is measured finely:
-the kind does not suit the part."""
+"""If the coarse error of a kind's best fit is at least this many default tolerances, the kind does not suit
+the part, and only this fit is measured finely."""
 
 _LENGTH_DECIMALS = 12
 """Decimals of sizes and positions [m], so that they do not depend on how a processor rounds."""
@@ -62,7 +62,7 @@ class RevolutionCircle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Subject:
+class FitSubject:
     """A part to which primitives are fitted, with candidates that several kinds of primitives share."""
 
     outline: Outline
@@ -72,39 +72,41 @@ class Subject:
     """Circles of cylinders and capsules."""
 
 
-def subject_of(surface: Surface) -> Subject | None:
+def subject_of(surface: Surface) -> FitSubject | None:
     """Prepares a surface to be fitted; returns None if it is flat."""
     outline = outline_of(surface)
     if outline is None:
         return None
     all_silhouettes = silhouettes(outline)
     circles = tuple(_revolution_circles(outline, all_silhouettes))
-    return Subject(outline, frames(outline, all_silhouettes), circles)
+    return FitSubject(outline, frames(outline, all_silhouettes), circles)
 
 
-def best_fit(kind: PrimitiveKind, subject: Subject) -> PrimitiveFit:
+def best_fit(kind: PrimitiveKind, subject: FitSubject) -> PrimitiveFit:
     """Returns the fit of a kind with the smallest error, refined."""
     return _refine_best(list(_CANDIDATES[kind](subject)), subject.outline)
 
 
-def best_fit_within(kind: PrimitiveKind, subject: Subject, max_error: float) -> PrimitiveFit | None:
+def best_fit_within(kind: PrimitiveKind, subject: FitSubject, max_error: float) -> PrimitiveFit | None:
     """Returns the best fit of a kind if its error is at most `max_error` [m], else None. Candidates that
     certainly have a larger error are not measured."""
-    # Refining can still reduce errors below `max_refined_error`.
-    max_least_error = max(max_error, max_refined_error(subject.outline))
-    shapes = [
-        shape
-        for shape in _CANDIDATES[kind](subject)
-        if least_error(shape, subject.outline) <= max_least_error
+    # Candidates below `max_refined_error` stay, since refining can reduce their error.
+    max_lower_bound = max(max_error, max_refined_error(subject.outline))
+    candidates = [
+        primitive
+        for primitive in _CANDIDATES[kind](subject)
+        if error_lower_bound(primitive, subject.outline) <= max_lower_bound
     ]
-    fit = _refine_best(shapes, subject.outline) if shapes else None
+    fit = _refine_best(candidates, subject.outline) if candidates else None
     return fit if fit and fit.error <= max_error else None
 
 
-def _refine_best(shapes: Sequence[Primitive], outline: Outline) -> PrimitiveFit:
-    """Returns the shape with the smallest error, refined; `shapes` has at least one. Only the best shapes by
-    a coarse error are measured finely."""
-    coarse_fits = [PrimitiveFit(shape, primitive_error(shape, outline, fine=False)) for shape in shapes]
+def _refine_best(candidates: Sequence[Primitive], outline: Outline) -> PrimitiveFit:
+    """Returns the fit of the candidate with the smallest error, refined. `candidates`: at least one. Only
+    those with the smallest coarse errors are measured finely."""
+    coarse_fits = [
+        PrimitiveFit(primitive, primitive_error(primitive, outline, fine=False)) for primitive in candidates
+    ]
     coarse_fits.sort(key=lambda fit: fit.error)
     fine_count = _MAX_FINE_FITS if coarse_fits[0].error < _MAX_FINE_ERROR * outline.tolerance else 1
     fine_fits = [
@@ -121,9 +123,9 @@ def first_best_fit(fits: Sequence[PrimitiveFit], outline: Outline) -> PrimitiveF
     return next(fit for fit in fits if fit.error <= limit)
 
 
-def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | None]) -> Primitive:
-    """Returns the best fit of a kind with the lengths `size` [m], as in `Primitive.size`; a length that is
-    None stays that of the fit. A box is aligned with the part's frame."""
+def fit_with_size(kind: PrimitiveKind, subject: FitSubject, size: Sequence[float | None]) -> Primitive:
+    """Returns the best fit of a kind, with its lengths replaced by those of `size` [m], as in
+    `Primitive.size`. For None, the length of the fit stays. A box is aligned with the part's frame."""
     primitive = _box(subject.outline, np.eye(3)) if kind == "box" else best_fit(kind, subject).primitive
     lengths = (
         fit_length if length is None else length
@@ -132,8 +134,9 @@ def fit_with_size(kind: PrimitiveKind, subject: Subject, size: Sequence[float | 
     return replace(primitive, size=tuple(lengths))
 
 
-def _boxes(subject: Subject) -> Iterator[Primitive]:
-    """Yields two boxes for each frame: one around the part, and a smaller one that the part stands out of."""
+def _boxes(subject: FitSubject) -> Iterator[Primitive]:
+    """Yields two boxes for each frame: one around the part, and a smaller box, out of which the part
+    stands."""
     for frame in subject.frames:
         yield _box(subject.outline, frame)
         yield _box(subject.outline, frame, balanced=True)
@@ -172,7 +175,7 @@ class _EnclosingCylinder(NamedTuple):
 
     @property
     def relative_volume(self) -> float:
-        """Volume over π [m³]."""
+        """Volume divided by π [m³]."""
         return self.radius * self.radius * (self.silhouette.high - self.silhouette.low)
 
 
@@ -211,8 +214,8 @@ def _circle_by_normals(
     return RevolutionCircle(axis, centre, radius, levels.median_radius(outline, centre, axis, radius))
 
 
-def _cylinders(subject: Subject) -> Iterator[Primitive]:
-    """Yields two cylinders for each circle: one around the part, and a smaller one."""
+def _cylinders(subject: FitSubject) -> Iterator[Primitive]:
+    """Yields two cylinders for each circle: one around the part, and a smaller cylinder."""
     for circle in subject.revolution_circles:
         heights = subject.outline.corners @ circle.axis
         low, high = float(heights.min()), float(heights.max())
@@ -221,8 +224,8 @@ def _cylinders(subject: Subject) -> Iterator[Primitive]:
         yield _solid_of_revolution("cylinder", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
-def _capsules(subject: Subject) -> Iterator[Primitive]:
-    """Yields two capsules for each circle: one around the part, and a thinner one of the same length."""
+def _capsules(subject: FitSubject) -> Iterator[Primitive]:
+    """Yields two capsules for each circle: one around the part, and a thinner capsule of the same length."""
     for circle in subject.revolution_circles:
         offsets = subject.outline.corners - circle.centre
         heights = offsets @ circle.axis
@@ -238,9 +241,9 @@ def _capsules(subject: Subject) -> Iterator[Primitive]:
         yield _solid_of_revolution("capsule", circle, (circle.radius + circle.median_radius) / 2, low, high)
 
 
-def _spheres(subject: Subject) -> Iterator[Primitive]:
-    """Yields two spheres, one around the part and a smaller one, for each centre: that of the smallest ball,
-    and that of the surface's normals, if they have a common centre."""
+def _spheres(subject: FitSubject) -> Iterator[Primitive]:
+    """Yields two spheres for each centre: one around the part, and a smaller sphere. The centres are that of
+    the smallest ball, and that of the surface's normals, if they have a common centre."""
     corners = subject.outline.corners
     ball_centre, ball_radius = smallest_ball(corners)
     normal_centre = levels.revolution_centre(subject.outline, None, ball_centre, ball_radius)
@@ -270,7 +273,7 @@ def _primitive(
     return Primitive(kind, lengths, frozen(from_parts(frame, position)))
 
 
-_CANDIDATES: Mapping[PrimitiveKind, Callable[[Subject], Iterator[Primitive]]] = {
+_CANDIDATES: Mapping[PrimitiveKind, Callable[[FitSubject], Iterator[Primitive]]] = {
     "sphere": _spheres,
     "capsule": _capsules,
     "box": _boxes,

@@ -34,7 +34,7 @@ def primitive_error(primitive: Primitive, outline: Outline, fine: bool = True) -
     return max(outline.bareness(primitive), float(p95), float(protrusion.max()) / MAX_PROTRUSION_TOLERANCES)
 
 
-def least_error(primitive: Primitive, outline: Outline) -> float:
+def error_lower_bound(primitive: Primitive, outline: Outline) -> float:
     """Returns a lower bound of the error [m], from the volume by which a primitive exceeds the part's hull.
     It lies between the hull and the primitive's surface: 95 % of this surface stand out by at most the error,
     and the rest by at most three times as much."""

@@ -31,19 +31,15 @@ class LineGrids:
     """Index of a direction → its grid."""
 
     def doubled_winding(self, points: Points, direction: int) -> tuple[Integers, Integers]:
-        """Returns two arrays (n,) for points (n, 3) and the lines through them in a direction: twice the
-        winding number, and the number of times that the whole line leaves the surface minus the number of
-        times that it enters.
-
-        The first is the sum over both halves of the line, from the point on. `direction`: index of the
-        direction, as in `LineGrid.of`.
-        """
+        """Returns two arrays (n,) for the lines through points (n, 3) in a direction: twice the winding
+        number, which is the sum over both halves of each line; and the exits of the whole line from the
+        surface minus its entries. `direction`: index of the direction, as in `LineGrid.of`."""
         if direction not in self._grids:
             self._grids[direction] = LineGrid.of(self.surface, direction)
         doubled = np.zeros(len(points), dtype=np.int64)
         surplus_exits = np.zeros(len(points), dtype=np.int64)
         for crossings in self._grids[direction].crossings(points):
-            # The half of the line below the point crosses triangles in the opposite sense.
+            # `sign` is that of the line upwards. Below the point, a ray from the point runs against the line.
             outward_signs = np.where(crossings.above, crossings.sign, -crossings.sign)
             doubled += _sums_by_point(crossings.points, outward_signs, len(points))
             surplus_exits += _sums_by_point(crossings.points, crossings.sign, len(points))
@@ -59,7 +55,8 @@ class InsideTest:
     shells overlap. The winding number of a surface with holes is the mean over rays in all directions, and
     points with more than ½ count as inside (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside
     segmentation using generalized winding numbers", 2013). Here it is the mean over the 12 rays along 6
-    lines. The winding numbers of the closed and the open part of a surface add up."""
+    lines. The winding numbers of the closed and the open part of a surface add up.
+    """
 
     closed_part: LineGrids
     """The part of the surface without open edges."""
@@ -89,7 +86,7 @@ class InsideTest:
 
     def closed_winding(self, points: Points) -> Integers:
         """Returns the winding number (n,) of the closed part of the surface at points (n, 3): 1 inside, more
-        where shells overlap or intersect themselves, and negative inside a shell that is inside out."""
+        where shells overlap or intersect themselves, negative inside a shell that is inside out."""
         windings = np.zeros(len(points), dtype=np.int64)
         if not len(self.closed_part.surface.triangles):
             return windings

@@ -22,7 +22,8 @@ class _AffineForce(NamedTuple):
 
 
 _NOT_AFFINE = _AffineForce()
-"""The value for a force that has no such form, or that the control does not set."""
+"""The value for a force that is not of this form, or that the control does not set. Its gain is 0, so that
+`holding_control` returns 0."""
 
 
 def holding_control(actuator: Actuator, value: float, force: float) -> float:
@@ -66,10 +67,7 @@ def holding_state(actuator: Actuator, value: float, force: float) -> tuple[float
         sag = force / (actuator.gear * actuator.kp) if actuator.kp else 0.0
         return (actuator.gear * value + sag,)
     if actuator.type == "pid":
-        # With a largest speed of the target (slewmax), the target is a state, too.
-        target = (holding_control(actuator, value, force),) if "slewmax" in terms else ()
-        integral = (_integral(actuator, force),) if "ki" in terms else ()
-        return (*target, *integral)
+        return _pid_state(actuator, value, force)
     if actuator.type == "dcmotor":
         # The current, the temperature and the bristles of the friction are states if they are modelled.
         return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
@@ -79,11 +77,28 @@ def holding_state(actuator: Actuator, value: float, force: float) -> tuple[float
     if dynamics in _FILTERS:
         return (holding_control(actuator, value, force),)
     if dynamics == "integrator":
-        # A file may write an intvelocity in this form.
-        gain, b0, b1 = _general_force(terms)
-        actuator_force = force / actuator.gear - b0 - b1 * actuator.gear * value
-        return (actuator_force / gain if gain and b1 else 0.0,)
+        return (_integrator_state(actuator, value, force),)
+    # A muscle, or the user's own dynamics.
     return (0.0,) * int(terms.get("actdim", "1"))
+
+
+def _pid_state(actuator: Actuator, value: float, force: float) -> tuple[float, ...]:
+    """Returns the states of a pid: the target if its speed has a limit (`slewmax`), and the integral if it
+    has a gain (`ki`)."""
+    terms = dict(actuator.terms)
+    target = (holding_control(actuator, value, force),) if "slewmax" in terms else ()
+    integral = (_integral(actuator, force),) if "ki" in terms else ()
+    return (*target, *integral)
+
+
+def _integrator_state(actuator: Actuator, value: float, force: float) -> float:
+    """Returns the state of a general actuator that integrates its control. A file may write an intvelocity in
+    this form."""
+    gain, b0, b1 = _general_force(dict(actuator.terms))
+    # Without gain, the state makes no force. Without b1, there is no spring: `can_hold` is false.
+    if not (gain and b1):
+        return 0.0
+    return (force / actuator.gear - b0 - b1 * actuator.gear * value) / gain
 
 
 def _integral_gain(actuator: Actuator) -> float:
@@ -131,7 +146,8 @@ def _general_force(terms: Mapping[str, str]) -> _AffineForce:
 
 def torque_per_volt(actuator: Actuator) -> float:
     """Returns the torque per volt [N m/V] of a DC motor at rest, before the gear: the motor constant over the
-    resistance, or the stall torque over the voltage if the motor has nominal values."""
+    resistance, or the stall torque over the voltage if the motor has nominal values. The actuator must
+    have `resistance` and `motorconst`, or three numbers in `nominal`."""
     terms = dict(actuator.terms)
     if "nominal" in terms:
         voltage, stall_torque, _ = _numbers(terms, "nominal", ())
@@ -144,7 +160,7 @@ def volts_per_speed(actuator: Actuator) -> float:
     s/rad]; the same number is its torque per current [N m/A].
 
     With nominal values, it is the voltage over the speed without load. If the file has both constants, MuJoCo
-    takes their geometric mean.
+    takes their geometric mean. The actuator must have `motorconst`, or three numbers in `nominal`.
     """
     terms = dict(actuator.terms)
     if "nominal" in terms:
@@ -155,5 +171,5 @@ def volts_per_speed(actuator: Actuator) -> float:
 
 
 def _numbers(terms: Mapping[str, str], name: str, default: tuple[float, ...]) -> tuple[float, ...]:
-    """Returns the numbers of an attribute, `default` if it is missing."""
+    """Returns the numbers of an attribute; `default` if it is missing."""
     return tuple(float(number) for number in terms[name].split()) if name in terms else default

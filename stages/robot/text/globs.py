@@ -29,13 +29,13 @@ def exact_glob(name: str) -> str:
 
 
 def matches_glob(name: str, glob: str) -> bool:
-    """Tells whether a glob matches this name: by equality, or as a pattern."""
+    """Tells whether a glob is equal to a name, or matches it as a pattern."""
     return name == glob or fnmatchcase(name, glob)
 
 
 def did_you_mean(name: str, names: Iterable[str], max_names: int = 1) -> str:
     """Returns a question with the names that are similar to `name`, the most similar first; "" if no name
-    is."""
+    is similar."""
     matches = get_close_matches(name, list(names), max_names)
     return f"did you mean {' or '.join(matches)}?" if matches else ""
 
@@ -43,14 +43,15 @@ def did_you_mean(name: str, names: Iterable[str], max_names: int = 1) -> str:
 def no_match_hint(glob: str, names_by_kind: Mapping[str, Iterable[str]]) -> str:
     """Returns the hint for a glob that matches nothing: the most similar name, and all names by kind, such as
     "did you mean arm? links are: arm, base"."""
-    names = {kind: list(kind_names) for kind, kind_names in names_by_kind.items()}
-    question = did_you_mean(glob, [name for kind_names in names.values() for name in kind_names])
-    lists = "; ".join(f"{kind} are: {name_list(kind_names) or 'none'}" for kind, kind_names in names.items())
-    return f"{question} {lists}".lstrip()
+    # Lists, since iterators give their names only once.
+    lists = {kind: list(names) for kind, names in names_by_kind.items()}
+    question = did_you_mean(glob, [name for names in lists.values() for name in names])
+    all_names = "; ".join(f"{kind} are: {name_list(names) or 'none'}" for kind, names in lists.items())
+    return f"{question} {all_names}".lstrip()
 
 
 def yaml_key(name: str) -> str:
-    """Returns the YAML key, in quotes if it needs them, that is a glob for only this name."""
+    """Returns a YAML key that, as a glob, matches only this name; it is in quotes if YAML needs them."""
     glob = exact_glob(name)
     is_plain = re.fullmatch(r"[A-Za-z_][\w.-]*", glob, re.ASCII) and glob.lower() not in _YAML_WORDS
     return glob if is_plain else json.dumps(glob, ensure_ascii=False)
@@ -68,8 +69,7 @@ def name_list(names: Iterable[str]) -> str:
 def matching_indices(glob: str, name_sets: Sequence[Collection[str]]) -> list[int]:
     """Returns the indices of the objects that a glob selects. `name_sets`: the names of each object.
 
-    If any object has a name equal to the glob, these objects are selected, else those with a name that
-    matches it.
+    These are the objects with a name equal to the glob, or, without any, those with a name that matches it.
     """
     equal = [index for index, names in enumerate(name_sets) if glob in names]
     return equal or [

@@ -2,7 +2,7 @@
 
 - bodies: Compares the bodies of a bare file with their shapes and each other, under the codes of a build.
 - figures: Defines the masses and sizes of the bodies of a bare file, whatever its format.
-- findings: Lists the checks of a bare file, whose results are findings with the code of their check.
+- findings: Lists the checks of a bare file, a URDF or MJCF by itself, and parses the numbers in it.
 - judged: Judges masses, inertias and angles, by rules that are the same in every format.
 - mesh_files: Reads the points of a mesh file, in every format that a build reads except PLY.
 - mesh_units: Finds meshes whose size does not fit the robot: a mixed-up unit is off by a thousand.

@@ -1,4 +1,7 @@
-"""Lists the checks of a bare file, whose results are findings with the code of their check."""
+"""Lists the checks of a bare file, a URDF or MJCF by itself, and parses the numbers in it.
+
+The result of a check is a list of findings with the code of the check.
+"""
 
 import math
 from dataclasses import dataclass
@@ -41,7 +44,8 @@ CodedFinding = tuple[str, Finding]
 
 
 def parse_number(text: str | None) -> float | None:
-    """Returns the number in a text; None if the text is not a single number, which other checks report."""
+    """Returns the number in a text; None if the text is not a single number, a fault that
+    other checks report."""
     values = parse_numbers(text)
     return values[0] if values is not None and len(values) == 1 else None
 

@@ -80,8 +80,8 @@ def _check_qpos(
     for joint in joints:
         if joint.type in ("ball", "free"):
             # The position of a free joint precedes its quaternion.
-            start = joint.qpos_index + (3 if joint.type == "free" else 0)
-            length = math.hypot(*qpos[start : start + 4])
+            quaternion_index = joint.qpos_index + (3 if joint.type == "free" else 0)
+            length = math.hypot(*qpos[quaternion_index : quaternion_index + 4])
             if abs(length - 1.0) > UNIT_LENGTH_TOLERANCE:
                 message = f'the quaternion of "{joint.name}" has the length {length:.4g}, expected 1'
                 # MuJoCo normalises quaternions, but a quaternion of length 0 has no direction.
@@ -97,7 +97,7 @@ def _check_qpos(
 def _joints(document: ModelDocument, defaults: Defaults) -> Iterator[_Joint]:
     """Yields the joints in the order of their values in qpos. A joint of an unknown type is left out: MuJoCo
     refuses the file."""
-    has_degrees = degrees_of(document)
+    uses_degrees = degrees_of(document)
     qpos_index = 0
     for element in document.root.iterfind("worldbody//*"):
         if element.tag not in ("joint", "freejoint"):
@@ -106,13 +106,13 @@ def _joints(document: ModelDocument, defaults: Defaults) -> Iterator[_Joint]:
         joint_type = attributes.get("type", "hinge")
         if joint_type not in _QPOS_COUNTS:
             continue
-        limits = _limits(joint_type, attributes, has_degrees) if joint_type in ("hinge", "slide") else None
+        limits = _limits(joint_type, attributes, uses_degrees) if joint_type in ("hinge", "slide") else None
         yield _Joint(str(element.get("name", joint_type)), joint_type, qpos_index, limits)
         qpos_index += _QPOS_COUNTS[joint_type]
 
 
-def _limits(joint_type: str, attributes: Mapping[str, str], has_degrees: bool) -> tuple[float, float] | None:
-    """Returns the range [rad, m] of a hinge or slide; None if the joint has no range. `has_degrees`: whether
+def _limits(joint_type: str, attributes: Mapping[str, str], uses_degrees: bool) -> tuple[float, float] | None:
+    """Returns the range [rad, m] of a hinge or slide; None if the joint has no range. `uses_degrees`: whether
     the file's angles are in degrees."""
     limits = parse_numbers(attributes.get("range"))
     if limits is None or len(limits) != 2 or attributes.get("limited", "auto") == "false":
@@ -120,5 +120,5 @@ def _limits(joint_type: str, attributes: Mapping[str, str], has_degrees: bool) -
     # An empty range is a fault of the joint, not of the keyframe.
     if not limits[0] < limits[1]:
         return None
-    factor = math.pi / 180.0 if has_degrees and joint_type == "hinge" else 1.0
+    factor = math.pi / 180.0 if uses_degrees and joint_type == "hinge" else 1.0
     return limits[0] * factor, limits[1] * factor

@@ -28,14 +28,17 @@ MAX_SECONDS = 600.0
 FILES_FOLDER, REPORTS_FOLDER, EMPTY_FOLDER = "files", "reports", "empty"
 """Subfolders of a run: copies of the robot's files, the checker's reports, and its empty working folder."""
 
+SCENE_FILE = "scene.xml"
+"""Name of a scene's file."""
+
 
 @dataclass(frozen=True, slots=True)
 class ToolUse:
     """How a checker is run on a file, and how its verdict is read."""
 
     endings: tuple[str, ...]
-    """The endings, after the robot's name, of the files that the checker reads. `scene.xml` is a whole name:
-    the scene includes the model, and is replaced by the MJCF if there is no scene."""
+    """The endings of the files that the checker reads, after the robot's name. The entry `scene.xml` is a
+    whole name, that of the scene, which includes the MJCF; without a scene, the MJCF is read."""
 
     make_arguments: Callable[[Path, Path], list[str]]
     """Returns the arguments for a file and a folder for reports."""
@@ -59,9 +62,9 @@ def _simready_arguments(file: Path, reports: Path) -> list[str]:
     return [*SIMREADY_PROFILE, "--output", str(reports / SIMREADY_REPORT), str(file)]
 
 
-USES = {
+TOOL_USES = {
     "simcheck": ToolUse((".urdf", ".xml"), _simcheck_arguments, read_simcheck),
-    "mjcf_doctor": ToolUse(("scene.xml",), lambda file, _: ["check", str(file), "--json"], read_mjcf_doctor),
+    "mjcf_doctor": ToolUse((SCENE_FILE,), lambda file, _: ["check", str(file), "--json"], read_mjcf_doctor),
     "urdf_validator": ToolUse(
         (".urdf",), lambda file, reports: [str(file), "--output-dir", str(reports)], read_urdf_validator
     ),
@@ -71,18 +74,18 @@ USES = {
 
 
 def run_checkers(
-    folder: Path, robot: str, tools: Sequence[Tool], environ: Mapping[str, str]
+    folder: Path, robot_name: str, tools: Sequence[Tool], environ: Mapping[str, str]
 ) -> Iterator[Check]:
     """Yields a check for each tool and each file of the robot that the tool reads. It passes if the tool
     reports neither errors nor warnings.
 
-    `folder`: the folder of the robot's files; `robot`: its name; `environ`: environment variables, of which
-    the tool sees only PATH.
+    `folder`: the folder of the robot's files; `environ`: environment variables, of which the tool sees only
+    PATH.
     """
     for tool in tools:
-        for file in _files(folder, robot, USES[tool.name].endings):
-            with tempfile.TemporaryDirectory(prefix="linkwright-") as name:
-                run_folder = Path(name).resolve()
+        for file in _existing_files(folder, robot_name, TOOL_USES[tool.name].endings):
+            with tempfile.TemporaryDirectory(prefix="linkwright-") as temporary_folder:
+                run_folder = Path(temporary_folder).resolve()
                 # Links are copied as files, since the checker may write into its files.
                 shutil.copytree(folder, run_folder / FILES_FOLDER, copy_function=shutil.copyfile)
                 # The checker's working folder is empty: in the robot's folder, a file could have the name of
@@ -92,33 +95,42 @@ def run_checkers(
                 yield _check_file(tool, run_folder, file, environ)
 
 
-def _files(folder: Path, robot: str, endings: Sequence[str]) -> list[str]:
+def _existing_files(folder: Path, robot_name: str, endings: Sequence[str]) -> list[str]:
     """Returns the names of the robot's files with these endings (see `ToolUse.endings`) that exist."""
-    names = []
-    for ending in endings:
-        name = ending if ending == "scene.xml" else f"{robot}{ending}"
-        if ending == "scene.xml" and not (folder / name).exists():
-            name = f"{robot}.xml"
-        names += [name] if (folder / name).exists() else []
-    return names
+    names = [_file_name(folder, robot_name, ending) for ending in endings]
+    return [name for name in names if (folder / name).exists()]
+
+
+def _file_name(folder: Path, robot_name: str, ending: str) -> str:
+    """Returns the name of the robot's file for an entry of `ToolUse.endings`."""
+    if ending != SCENE_FILE:
+        return f"{robot_name}{ending}"
+    return SCENE_FILE if (folder / SCENE_FILE).exists() else f"{robot_name}.xml"
 
 
 def _check_file(tool: Tool, run_folder: Path, file: str, environ: Mapping[str, str]) -> Check:
-    """Runs a tool on a file, and returns its opinion as a check; a check that fails if it has none."""
+    """Runs a tool on a file, and returns its opinion as a check, which fails if the tool has no opinion."""
     name = f"{file}: {tool.program} {tool.version(environ)}"
-    use = USES[tool.name]
+    use = TOOL_USES[tool.name]
     reports = run_folder / REPORTS_FOLDER
+    arguments = use.make_arguments(run_folder / FILES_FOLDER / file, reports)
     try:
-        arguments = use.make_arguments(run_folder / FILES_FOLDER / file, reports)
-        opinion = use.read_opinion(_run_tool(tool, arguments, run_folder, environ), reports)
-    except NoVerdict as error:
-        return Check(name, False, f"no verdict: {error}", code=CODE)
+        output = _run_tool(tool, arguments, run_folder, environ)
     except subprocess.TimeoutExpired:
-        return Check(name, False, f"no verdict: it took longer than {MAX_SECONDS:g} s", code=CODE)
+        return _no_verdict_check(name, f"it took longer than {MAX_SECONDS:g} s")
+    except OSError as error:
+        return _no_verdict_check(name, f"it cannot be run ({error})")
+    try:
+        opinion = use.read_opinion(output, reports)
+    except NoVerdict as error:
+        return _no_verdict_check(name, str(error))
     except (OSError, ValueError, KeyError, TypeError) as error:
-        detail = f"no verdict: its output cannot be read ({type(error).__name__})"
-        return Check(name, False, detail, code=CODE)
+        return _no_verdict_check(name, f"its output cannot be read ({type(error).__name__})")
     return _opinion_check(name, opinion)
+
+
+def _no_verdict_check(name: str, reason: str) -> Check:
+    return Check(name, False, f"no verdict: {reason}", code=CODE)
 
 
 def _opinion_check(name: str, opinion: Opinion) -> Check:
@@ -136,7 +148,7 @@ def _opinion_check(name: str, opinion: Opinion) -> Check:
 def _run_tool(tool: Tool, arguments: Sequence[str], run_folder: Path, environ: Mapping[str, str]) -> str:
     """Returns the output of a tool, in which paths start at the robot's folder. The tool gets no environment
     variable of this process except PATH, and a separate home. Raises FileNotFoundError if the tool is not
-    installed, and TimeoutExpired."""
+    installed, and TimeoutExpired after `MAX_SECONDS`."""
     command = tool.command(environ)
     if command is None:
         raise FileNotFoundError(tool.program)
@@ -155,7 +167,7 @@ def _run_tool(tool: Tool, arguments: Sequence[str], run_folder: Path, environ: M
         stdin=subprocess.DEVNULL,
         capture_output=True,
         timeout=MAX_SECONDS,
-        # The exit status tells of errors in the file, which the output has.
+        # A checker also exits with an error status if the file has errors; the output lists them.
         check=False,
     )
     text = completed.stdout.decode("utf-8", "replace").replace("\r\n", "\n")

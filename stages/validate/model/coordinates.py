@@ -54,7 +54,7 @@ def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
             yield dof.name, KINDS[dof.kind], dof
 
 
-def missing_names(compiled: CompiledModel) -> list[str]:
+def find_missing_names(compiled: CompiledModel) -> list[str]:
     """Returns the links and joints that the model does not have by name, sorted."""
     model, robot = compiled.model, compiled.robot
     links = [link.name for link in robot.links if body_index(model, link.name) < 0]
@@ -124,12 +124,12 @@ def saved_values(robot: Robot) -> dict[str, Value]:
     return {dof.name: dof.saved for dof in dofs}
 
 
-def spread_values(robot: Robot, turn: int) -> dict[str, Value]:
+def spread_values(robot: Robot, sample_index: int) -> dict[str, Value]:
     """Returns evenly spread values, the same in every run: scalars within ±1.5, quaternions of any angle."""
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     widths = [{"ball": 4, "free": 7}.get(dof.kind, 1) for dof in dofs]
     values: dict[str, Value] = {}
-    count = turn * sum(widths)
+    count = sample_index * sum(widths)
     for dof, width in zip(dofs, widths, strict=True):
         # An irrational step spreads the values evenly.
         numbers = [3 * math.modf((count + i + 1) * math.e)[0] - 1.5 for i in range(width)]

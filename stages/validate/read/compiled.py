@@ -1,4 +1,4 @@
-"""Selects the reader of a compiled model, and turns comparisons into checks of compiled models."""
+"""Reads the robot of a compiled model, and turns comparisons of robots into checks of compiled models."""
 
 from collections.abc import Callable, Iterable
 
@@ -11,11 +11,10 @@ from linkwright.stages.validate.same.read_robot import ReadRobot
 
 
 def read_compiled(compiled: CompiledModel) -> ReadCompiled:
-    """Returns the reader of a model that was compiled from a URDF or an MJCF."""
+    """Returns the robot of a model that was compiled from a URDF or an MJCF, as comparisons read it."""
     return ReadUrdf(compiled) if compiled.urdf else ReadMjcf(compiled)
 
 
 def as_model_check(compare: Callable[[ReadRobot], Iterable[Check]]) -> CheckFunction:
-    """Turns a comparison, which takes what a reader of any format returns, into a check of a compiled
-    model."""
+    """Turns a comparison of a file's robot (`ReadRobot`), in any format, into a check of a compiled model."""
     return lambda compiled: compare(read_compiled(compiled))

@@ -13,8 +13,8 @@ from linkwright.stages.validate.same.read_robot import FoundPose, ReadRobot
 def compare_loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
     """Yields a single result for a robot with loops. `name`: the name of the check."""
     worst, worst_loop, findings_by_place = 0.0, "", dict[tuple[str, str], tuple[float, Finding]]()
-    for turn in range(2):
-        q = {**spread_values(read.robot, turn), **read.fixed_dofs}
+    for sample_index in range(2):
+        q = {**spread_values(read.robot, sample_index), **read.fixed_dofs}
         for loop in read.robot.loops:
             for place in read.loop_poses(loop, q):
                 value = np.inf if place.pose is None else distance(place.pose, place.expected)

@@ -29,43 +29,47 @@ def compare_poses(read_robot: ReadRobot) -> Iterator[Check]:
     root_from_link = read_robot.poses(q).links
     root_from_cad = inverse(robot.world_from_root)
     connected_links = _connected_links(read_robot)
-    worst, worst_part, worst_link = 0.0, "", ""
+    worst_error, worst_part, worst_link = 0.0, "", ""
     for link in robot.links:
-        for part in link.parts if link.name in connected_links else ():
+        if link.name not in connected_links:
+            continue
+        for part in link.parts:
             root_from_part = root_from_link[link.name] @ part.link_from_part
             error = distance(root_from_part, root_from_cad @ part.world_from_part)
             # NaN, the error of a missing link, is not smaller either.
-            if not error < worst:
-                worst, worst_part, worst_link = error, part.name, link.name
+            if not error < worst_error:
+                worst_error, worst_part, worst_link = error, part.name, link.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {worst_part}"
     limit = max(CAD_ERROR, precision.pose * _pose_scale(read_robot, root_from_link))
     findings: tuple[Finding, ...] = ()
-    if not worst <= limit:
-        message = f"its part {worst_part} is {shown(worst)} m or rad from CAD's occurrence"
+    # `not … <=` also reports NaN.
+    if not worst_error <= limit:
+        message = f"its part {worst_part} is {shown(worst_error)} m or rad from CAD's occurrence"
         element = read_robot.element("link", worst_link)
         findings = kinematic_differences(read_robot) or (
             Finding(element, read_robot.attribute_names.place[0], message),
         )
-    yield read_robot.within("poses", worst, limit, detail, findings)
+    yield read_robot.within("poses", worst_error, limit, detail, findings)
 
 
 def compare_motion(read_robot: ReadRobot) -> Iterator[Check]:
     """Compares links and frames with the robot's own kinematics, at several values of the dofs."""
-    worst, worst_name, pairs = 0.0, "", pose_pairs(read_robot)
+    worst_error, worst_name, pairs = 0.0, "", pose_pairs(read_robot)
     for pair in pairs:
         for name, error in _pose_errors(read_robot, pair):
+            # NaN is not greater than any number, but counts as the largest error.
             error = math.inf if math.isnan(error) else error
-            if error > worst:
-                worst, worst_name = error, name
+            if error > worst_error:
+                worst_error, worst_name = error, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
     limit, findings = read_robot.precision.pose, tuple[Finding, ...]()
-    if not worst <= limit:
+    if not worst_error <= limit:
         kind: ElementKind = "frame" if worst_name in pairs[0].actual.frames else "link"
-        message = f"is {shown(worst)} m or rad from where the robot has it"
+        message = f"is {shown(worst_error)} m or rad from where the robot has it"
         findings = differences(read_robot, pairs) or (
             Finding(read_robot.element(kind, worst_name), read_robot.attribute_names.place[0], message),
         )
-    yield read_robot.within("motion", worst, limit, detail + worst_name, findings)
+    yield read_robot.within("motion", worst_error, limit, detail + worst_name, findings)
 
 
 def kinematic_differences(read_robot: ReadRobot) -> tuple[Finding, ...]:
@@ -74,10 +78,12 @@ def kinematic_differences(read_robot: ReadRobot) -> tuple[Finding, ...]:
 
 
 def pose_pairs(read_robot: ReadRobot) -> list[PosePair]:
-    """Returns the poses of the file and of the robot at four configurations: first as the file places the
-    links, or at zero; then at spread values."""
+    """Returns the poses of the file and of the robot at four configurations: first at
+    `file_configuration`, then at three with spread values."""
     robot, pairs = read_robot.robot, []
-    spread_configurations = ({**spread_values(robot, turn), **read_robot.fixed_dofs} for turn in range(3))
+    spread_configurations = (
+        {**spread_values(robot, sample_index), **read_robot.fixed_dofs} for sample_index in range(3)
+    )
     for q in (read_robot.file_configuration, *spread_configurations):
         links = link_poses(robot, q)
         frames = {frame.name: links[frame.link] @ frame.link_from_frame for frame in robot.frames}

@@ -323,7 +323,7 @@ def test_no_fewer_of_the_pieces_would_do():
     part = judge(RING, 0.001)
     cutter = PieceCutter(part, 64)
     result = cutter.cut()
-    assert result.is_near
+    assert result.meets_tolerance
     assert part.is_near(result.pieces)
     assert len(cutter.join(cutter.prepare(result.pieces)).pieces) == len(result.pieces)
 

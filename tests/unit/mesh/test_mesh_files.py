@@ -222,13 +222,13 @@ def test_meshes_of_other_colours_are_one_unless_textured():
     ]
     files = dict.fromkeys(names[:3], data) | {"c.stl": stl.write(lump(2))}
     section = plan_of().mesh
-    (result, kept), _ = convert_assets(shapes, files, section)
+    result, kept, _ = convert_assets(shapes, files, section)
     assert [shape.file for shape in result] == ["b.stl", "b.stl", "b.stl", "c.stl"]
     assert kept == {"b.stl": data, "c.stl": files["c.stl"]}
     assert [shape.colour for shape in result] == colours
     dressed = [replace(shape, texture="wood.png") for shape in shapes[1:3]]
     textured = {"b.stl": obj.write(lump(1)), "a.stl": obj.write(lump(1)), "wood.png": b"PNG"}
-    (result, kept), _ = convert_assets(
+    result, kept, _ = convert_assets(
         [*dressed, replace(dressed[0], link="d", file="a.stl")], textured, section
     )
     assert [shape.file for shape in result] == ["b.obj", "a.obj", "b.obj"]

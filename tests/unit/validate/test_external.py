@@ -95,7 +95,7 @@ def folder(tmp_path):
 
 def test_key_knows_the_tools():
     (literal, _) = get_args(ValidateSection.model_fields["external"].annotation)
-    assert set(get_args(literal)) == set(TOOLS) == set(runs.USES)
+    assert set(get_args(literal)) == set(TOOLS) == set(runs.TOOL_USES)
 
 
 def test_what_each_says_is_a_check_of_its_own(folder, path):

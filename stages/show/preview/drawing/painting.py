@@ -17,8 +17,8 @@ from linkwright.stages.show.raster import Indices, Numbers, Pixels, nearest_tria
 Flags = npt.NDArray[np.bool_]
 
 SAMPLES_PER_SIDE = 2
-"""Number of samples along each side of a pixel: the camera's picture has as many times the pixels of the
-final picture, each way."""
+"""Number of samples along each side of a pixel: the camera's picture is this many times as wide and as high
+as the final picture."""
 
 _BACKGROUND = np.array([0.905, 0.916, 0.928], dtype=np.float32)
 """Colour of the background in sRGB."""
@@ -33,7 +33,7 @@ _MIN_SAME_COLOUR_COSINE = np.float32(0.96)
 """Cosine of the largest angle between faces of a geom that share a colour within a pixel."""
 
 _MIN_DESCENT = 1e-6
-"""Smallest descent of a ray per unit of depth at which it meets the ground; flatter rays pass above it."""
+"""Rays that descend by less than this per unit of depth count as missing the ground."""
 
 _SHADOW_PIXEL_SIZE = 3
 """Width of a pixel of the ground's shadow, in pixels of the final picture."""
@@ -45,8 +45,8 @@ _SKY_BLUR, _KEY_BLUR = 4, 3
 """Half widths of the blur of the shadows of sky and key light, in pixels of the ground's shadow."""
 
 _FADE_START, _FADE_END = 1.0, 2.1
-"""Distances from the origin, in radii of the robot, at which shadows on the ground begin to fade, and are
-gone."""
+"""Distances from the origin, in radii of the robot, at which shadows on the ground begin to fade, and at
+which they are gone."""
 
 
 class _DrawnSamples(NamedTuple):
@@ -54,22 +54,23 @@ class _DrawnSamples(NamedTuple):
 
     pixel_rows: Indices
     """Row of each sample's pixel among the pixels that show a face."""
-    places: Indices
+    sample_indices: Indices
     """Index of each sample in its pixel, row by row."""
     shares: Single
     """Share of its pixel that each sample colours."""
 
 
 def draw_picture(scene: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
-    """Draws a picture (height, width, 3) that is filled by the robot, or by the `points` (n, 3) if there are
-    any. `width`, `height` [pixels]."""
+    """Draws a picture (height, width, 3) that the robot fills, or that the `points` (n, 3) fill if they are
+    not None. `width`, `height` [pixels]."""
     shown_points = scene.corners.reshape(-1, 3) if points is None else points
     size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
     return render(scene, framing(shown_points, scene.backward, *size))
 
 
 def render(scene: LitRobot, camera: Camera) -> Pixels:
-    """Draws what a camera sees, reduced by `SAMPLES_PER_SIDE` each way: (height, width, 3).
+    """Draws what a camera sees (height, width, 3); each pixel merges `SAMPLES_PER_SIDE`² pixels of the
+    camera.
 
     Only the nearest layer of transparent faces is drawn over the opaque faces.
     """
@@ -89,25 +90,31 @@ def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, tria
     """Draws triangles over an image (height, width, 3) in sRGB.
 
     `corners` (m, 3, 3): the scene's triangles in the camera's picture; `triangles`: the triangle that each
-    pixel of the camera's picture, a sample, shows, or -1.
+    sample shows, or -1; a sample is a pixel of the camera's picture.
     """
     side = SAMPLES_PER_SIDE
     width = image.shape[1]
-    # An array for each place in a pixel, row by row, with the sample there of each pixel.
-    by_place = [triangles[row::side, column::side].ravel() for row in range(side) for column in range(side)]
-    pixels = np.flatnonzero(functools.reduce(np.maximum, by_place) >= 0)
+    # One array per sample position in a pixel, row by row: the triangle that this sample shows, for all
+    # pixels.
+    triangles_by_sample = [
+        triangles[row::side, column::side].ravel() for row in range(side) for column in range(side)
+    ]
+    pixels = np.flatnonzero(functools.reduce(np.maximum, triangles_by_sample) >= 0)
     if not len(pixels):
         return
-    triangle_of_sample = np.stack([place_triangles[pixels] for place_triangles in by_place], axis=1)
+    triangle_of_sample = np.stack(
+        [shown_triangles[pixels] for shown_triangles in triangles_by_sample], axis=1
+    )
     visible_triangles, face_of_sample = _number_faces(triangle_of_sample, len(corners))
     faces = Faces(scene, corners, visible_triangles)
     samples = _drawn_samples(face_of_sample, faces)
-    face = face_of_sample[samples.pixel_rows, samples.places]
+    face_indices = face_of_sample[samples.pixel_rows, samples.sample_indices]
     rows, columns = np.divmod(pixels[samples.pixel_rows], width)
-    down, right = side * rows + samples.places // side, side * columns + samples.places % side
+    sample_rows = side * rows + samples.sample_indices // side
+    sample_columns = side * columns + samples.sample_indices % side
     # Half a pixel further is the middle of the sample.
-    colours = faces.colours(camera, face, right + 0.5, down + 0.5, side)
-    alpha = scene.surface.colours[scene.surface.geom[visible_triangles], 3][face]
+    colours = faces.colours(camera, face_indices, sample_columns + 0.5, sample_rows + 0.5, side)
+    alpha = scene.surface.colours[scene.surface.geom[visible_triangles], 3][face_indices]
     _blend(image.reshape(-1, 3), pixels, samples, colours, alpha)
 
 
@@ -127,49 +134,52 @@ def _blend(
     """Draws the colours (n, 3) of samples, with their opacities `alpha` (n,), over the `pixels` of an image
     (height x width, 3)."""
     weight = (np.where(alpha >= _MIN_OPAQUE_ALPHA, 1.0, alpha) * samples.shares).astype(np.float32)
-    count = len(pixels)
-    coverage = np.bincount(samples.pixel_rows, weight, minlength=count).astype(np.float32)
+    pixel_count = len(pixels)
+    coverage = np.bincount(samples.pixel_rows, weight, minlength=pixel_count).astype(np.float32)
     flat_image[pixels] *= (1.0 - coverage)[:, None]
     for channel in range(3):
         channel_weight = weight * colours[:, channel]
-        flat_image[pixels, channel] += np.bincount(samples.pixel_rows, channel_weight, minlength=count)
+        flat_image[pixels, channel] += np.bincount(samples.pixel_rows, channel_weight, minlength=pixel_count)
 
 
 def _drawn_samples(face_of_sample: Indices, faces: Faces) -> _DrawnSamples:
-    """Chooses the samples whose colours are computed: the first sample with a face, if all such samples of
-    its pixel show the same surface, else every sample with a face.
+    """Chooses the samples whose colours are computed: of a pixel whose samples show one surface, the first
+    sample with a face; of other pixels, every sample with a face.
 
     `face_of_sample` (pixels, samples): the face that each sample shows, or -1.
     """
     pixel_count, sample_count = face_of_sample.shape
     has_face = face_of_sample >= 0
-    first_place = has_face.argmax(axis=1)
-    first_face = face_of_sample[np.arange(pixel_count), first_place]
+    first_sample = has_face.argmax(axis=1)
+    first_face = face_of_sample[np.arange(pixel_count), first_sample]
     shows_several = np.zeros(pixel_count, dtype=np.bool_)
-    for place in range(sample_count):
-        differing = np.flatnonzero(has_face[:, place] & (face_of_sample[:, place] != first_face))
-        face, reference_face = face_of_sample[differing, place], first_face[differing]
-        cosine = dot(faces.normals[face], faces.normals[reference_face])
-        is_same = (cosine > _MIN_SAME_COLOUR_COSINE) & (faces.geom[face] == faces.geom[reference_face])
+    for sample_index in range(sample_count):
+        differing = np.flatnonzero(
+            has_face[:, sample_index] & (face_of_sample[:, sample_index] != first_face)
+        )
+        differing_face, reference_face = face_of_sample[differing, sample_index], first_face[differing]
+        cosine = dot(faces.normals[differing_face], faces.normals[reference_face])
+        has_same_geom = faces.geom[differing_face] == faces.geom[reference_face]
+        is_same = has_same_geom & (cosine > _MIN_SAME_COLOUR_COSINE)
         shows_several[differing[~is_same]] = True
     plain_pixels = np.flatnonzero(~shows_several)
-    mixed_pixels, mixed_places = np.nonzero(has_face & shows_several[:, None])
+    mixed_pixels, mixed_samples = np.nonzero(has_face & shows_several[:, None])
     plain_shares = np.count_nonzero(has_face, axis=1)[plain_pixels] / sample_count
     mixed_shares = np.full(len(mixed_pixels), 1 / sample_count)
     return _DrawnSamples(
         np.concatenate([plain_pixels, mixed_pixels]),
-        np.concatenate([first_place[plain_pixels], mixed_places]),
+        np.concatenate([first_sample[plain_pixels], mixed_samples]),
         np.concatenate([plain_shares, mixed_shares]).astype(np.float32),
     )
 
 
 def _ground(scene: LitRobot, camera: Camera) -> Single:
-    """Draws the background (height, width, 3) with the shadow on the ground, in sRGB.
+    """Draws the background (height, width, 3) in sRGB, with the robot's shadow on the ground.
 
-    The shadow is soft, so it is computed for larger pixels, and enlarged.
+    The shadow is soft, so it is computed for larger pixels, and then enlarged.
     """
     image_width, image_height = camera.width // SAMPLES_PER_SIDE, camera.height // SAMPLES_PER_SIDE
-    # Rounded up.
+    # Both are rounded up.
     width, height = -(-image_width // _SHADOW_PIXEL_SIZE), -(-image_height // _SHADOW_PIXEL_SIZE)
     sky_shade, key_shade = _shades(scene, camera, width, height).reshape(2, height, width)
     blurred_shade = blur(sky_shade, _SKY_BLUR) + blur(key_shade, _KEY_BLUR)
@@ -184,23 +194,23 @@ def _shades(scene: LitRobot, camera: Camera, width: int, height: int) -> Single:
     rows, columns = np.divmod(np.arange(height * width), width)
     points, is_ground = _ground_points(scene, camera, rows, columns)
     # The robot has the radius 1 about the origin (`studio`), so distances are in radii.
-    distance = np.sqrt((points[:, :2] ** 2).sum(axis=1))
-    hit = np.flatnonzero(is_ground & (distance < _FADE_END))
-    hit_points = np.ascontiguousarray(points[hit].astype(np.float32).T)
-    shift = pixel_shifts(rows[hit], columns[hit])
+    distances = np.sqrt((points[:, :2] ** 2).sum(axis=1))
+    pixels = np.flatnonzero(is_ground & (distances < _FADE_END))
+    ground_points = np.ascontiguousarray(points[pixels].astype(np.float32).T)
+    shifts = pixel_shifts(rows[pixels], columns[pixels])
     full_light = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
     shades = np.zeros((2, len(points)), dtype=np.float32)
     for lamp in scene.lamps:
-        is_dark = ~lamp.reaches(hit_points, shift, _SHADOW_SLACK)
-        shades[int(lamp.is_key), hit] += is_dark * np.float32(lamp.power * lamp.direction[2] / full_light)
+        is_dark = ~lamp.reaches(ground_points, shifts, _SHADOW_SLACK)
+        shades[int(lamp.is_key), pixels] += is_dark * np.float32(lamp.power * lamp.direction[2] / full_light)
     # Far shadows fade, so that none is cut off at the picture's edge.
-    shades[:, hit] *= np.clip((_FADE_END - distance[hit]) / (_FADE_END - _FADE_START), 0.0, 1.0)
+    shades[:, pixels] *= np.clip((_FADE_END - distances[pixels]) / (_FADE_END - _FADE_START), 0.0, 1.0)
     return shades
 
 
 def _ground_points(scene: LitRobot, camera: Camera, rows: Indices, columns: Indices) -> tuple[Numbers, Flags]:
     """Returns the points (n, 3) of the ground at pixels of its shadow, and whether each pixel shows the
-    ground; where it does not, the point means nothing."""
+    ground. If it does not, its point has no meaning."""
     step = SAMPLES_PER_SIDE * _SHADOW_PIXEL_SIZE
     rays = camera.rays((columns + 0.5) * step, (rows + 0.5) * step)
     goes_down = rays[:, 2] < -_MIN_DESCENT

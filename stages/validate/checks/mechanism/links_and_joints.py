@@ -12,29 +12,29 @@ from linkwright.stages.validate.model.coordinates import (
     DOFS_OF_TYPE,
     FREE,
     bodies_of_scene,
+    find_missing_names,
     joints_of,
-    missing_names,
 )
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Checks that the model has all links and joints of the robot, and no further dofs. If so, also checks
-    the robot's name in the file, except in a scene, whose name is free."""
+    """Checks that the model has all links and joints of the robot, and no further dofs. If this passes, also
+    checks the robot's name in the file, except in a scene, whose name is free."""
     robot, model = compiled.robot, compiled.model
     # A URDF cannot say that its root floats.
     base_dofs = 0 if robot.base.fixed or compiled.urdf else 6
     expected_dofs = sum(DOFS_OF_TYPE[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + base_dofs
     expected_dofs += compiled.surplus.dofs
-    surplus_dofs = model.nv - expected_dofs - _object_dofs(compiled)
-    missing = missing_names(compiled)
-    detail = f"{count(len(robot.links), 'link')}, {_count_dofs(model.nv)}"
-    if missing:
-        detail = f"missing: {', '.join(missing)}"
-    elif surplus_dofs:
-        detail = f"expected {_count_dofs(expected_dofs)}, found {model.nv}"
-    passed = not missing and surplus_dofs == 0
-    findings = [_missing_element(compiled, name) for name in missing] or list(_joint_findings(compiled))
-    yield compiled.result("links and joints", passed, detail, float(abs(surplus_dofs)), 0.0, few(findings))
+    dof_difference = model.nv - expected_dofs - _object_dofs(compiled)
+    missing_names = find_missing_names(compiled)
+    detail = f"{count(len(robot.links), 'link')}, {_dofs_text(model.nv)}"
+    if missing_names:
+        detail = f"missing: {', '.join(missing_names)}"
+    elif dof_difference:
+        detail = f"expected {_dofs_text(expected_dofs)}, found {model.nv}"
+    passed = not missing_names and dof_difference == 0
+    findings = [_missing_element(compiled, name) for name in missing_names] or list(_joint_findings(compiled))
+    yield compiled.result("links and joints", passed, detail, float(abs(dof_difference)), 0.0, few(findings))
     if passed and compiled.path.name != SCENE:
         yield _check_names(compiled)
 
@@ -60,9 +60,9 @@ def _object_dofs(compiled: CompiledModel) -> int:
     if compiled.path.name != SCENE:
         return 0
     scene_bodies = bodies_of_scene(compiled.model, compiled.robot)
-    number = sum(int(body) in scene_bodies for body in compiled.model.dof_bodyid)
+    dof_count = sum(int(body) in scene_bodies for body in compiled.model.dof_bodyid)
     # Dofs that the user's own XML gives to the robot itself are not among the objects' dofs.
-    return max(0, number - compiled.surplus.dofs)
+    return max(0, dof_count - compiled.surplus.dofs)
 
 
 def _missing_element(compiled: CompiledModel, name: str) -> Finding:
@@ -74,8 +74,8 @@ def _missing_element(compiled: CompiledModel, name: str) -> Finding:
 
 def _joint_findings(compiled: CompiledModel) -> Iterator[Finding]:
     """Yields a finding on each joint that the robot does not have, among them joints by which it floats
-    although the configuration fixes it. If the robot should float, and no joint lets it, yields a finding on
-    that first."""
+    although the configuration fixes it. If the robot should float, but has no joint for it, the first
+    finding is on that."""
     model, robot = compiled.model, compiled.robot
     names = {name for name, *_ in joints_of(robot, compiled.urdf)}
     if not compiled.urdf and not robot.base.fixed:
@@ -98,6 +98,6 @@ def _joint_findings(compiled: CompiledModel) -> Iterator[Finding]:
             yield Finding(named_joint(model, index), "type", message)
 
 
-def _count_dofs(number: int) -> str:
-    """Returns a number of dofs in words."""
-    return count(number, "degree of freedom", "degrees of freedom")
+def _dofs_text(dof_count: int) -> str:
+    """Returns a number of dofs for a message, such as "6 degrees of freedom"."""
+    return count(dof_count, "degree of freedom", "degrees of freedom")

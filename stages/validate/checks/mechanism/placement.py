@@ -63,7 +63,7 @@ def _in_keyframes(
             message = f"puts {root} at {shown(pose[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
             findings.append(Finding(named("key", name), "qpos", message))
         if not angle <= CAD_ERROR:
-            message = f"turns {root} by {shown(np.degrees(angle))} degrees from the expected"
+            message = f"turns {root} by {shown(np.degrees(angle))} degrees from the expected orientation"
             findings.append(Finding(named("key", name), "qpos", message))
     detail = "the free base in the keyframes against the pose that the build gave it [m, rad]"
     yield compiled.within("placement in keyframes", worst, CAD_ERROR, detail, few(findings))

@@ -21,10 +21,10 @@ from linkwright.stages.validate.model.contact_attributes import contact_differen
 from linkwright.stages.validate.model.coordinates import CAD_ERROR, ENGINE_TOLERANCE, ORIENTATIONS
 from linkwright.stages.validate.model.poses import placed
 
-PLANE = mujoco.mjtGeom.mjGEOM_PLANE
+_PLANE = mujoco.mjtGeom.mjGEOM_PLANE
 """MuJoCo's type of a geom that is a plane."""
 
-OPTIONS = (
+_OPTIONS = (
     "timestep",
     "integrator",
     "cone",
@@ -41,7 +41,7 @@ OPTIONS = (
 )
 """Attributes of `<option>` that change how a robot moves."""
 
-ENUMS = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
+_ENUMS = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
 """Option that is a word in a file → MuJoCo's enumeration of its values."""
 
 _DISABLE_PREFIX = "mjDSBL_"
@@ -54,23 +54,24 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     scene = compiled.written.scene
     if scene is None:
         return
-    findings = () if scene.ground is None else few(_ground_differences(compiled, scene.ground))
-    passed_text = "the ground is where the build put it, with its friction"
     if scene.ground is None:
-        passed_text = "the build has no ground"
-    yield compiled.within("ground", float(len(findings)), 0.0, _detail(passed_text, findings), findings)
-    findings = few(_option_differences(compiled, scene))
+        yield _scene_check(compiled, "ground", "the build has no ground", ())
+    else:
+        passed_text = "the ground is where the build put it, with its friction"
+        yield _scene_check(compiled, "ground", passed_text, few(_ground_differences(compiled, scene.ground)))
     passed_text = (
         "gravity, medium, time step, integrator and solver are those with which the robot was judged"
     )
-    yield compiled.within("physics", float(len(findings)), 0.0, _detail(passed_text, findings), findings)
+    yield _scene_check(compiled, "physics", passed_text, few(_option_differences(compiled, scene)))
 
 
-def _detail(passed_text: str, findings: tuple[Finding, ...]) -> str:
-    """Returns the text of a check's result: `passed_text`, or all findings."""
-    if not findings:
-        return passed_text
-    return "; ".join(f"{finding.element} {finding.attribute} {finding.message}" for finding in findings)
+def _scene_check(
+    compiled: CompiledModel, name: str, passed_text: str, findings: tuple[Finding, ...]
+) -> Check:
+    """Returns a check that passes without findings. Its detail is `passed_text`, or all findings."""
+    texts = [f"{finding.element} {finding.attribute} {finding.message}" for finding in findings]
+    detail = "; ".join(texts) or passed_text
+    return compiled.within(name, float(len(findings)), 0.0, detail, findings)
 
 
 def _ground_differences(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
@@ -83,7 +84,7 @@ def _ground_differences(compiled: CompiledModel, ground: Ground) -> Iterator[Fin
         return
     name = model.geom(geom).name
     title, user_sets = named("geom", name), compiled.sets_of(f"geom {name}")
-    if model.geom_type[geom] != PLANE:
+    if model.geom_type[geom] != _PLANE:
         kind = mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
         yield differs(title, "type", kind, "plane")
         return
@@ -92,7 +93,9 @@ def _ground_differences(compiled: CompiledModel, ground: Ground) -> Iterator[Fin
     if not abs(height) <= CAD_ERROR and "pos" not in user_sets:
         yield differs(title, "pos", model.geom_pos[geom], ground.world_from_ground[:3, 3], "m")
     if not tilt <= CAD_ERROR and not user_sets & ORIENTATIONS:
-        yield Finding(title, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected")
+        yield Finding(
+            title, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected orientation"
+        )
     # Defaults of the user's own XML may set the values below.
     if sets_defaults(compiled):
         return
@@ -111,7 +114,7 @@ def _ground_geom(model: Any, ground: Ground) -> int | None:
     """
     geoms = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == 0]
     with_name = [geom for geom in geoms if model.geom(geom).name == FLOOR]
-    planes = (geom for geom in geoms if model.geom_type[geom] == PLANE)
+    planes = (geom for geom in geoms if model.geom_type[geom] == _PLANE)
     at_place = [geom for geom in planes if max(map(abs, _height_and_tilt(model, geom, ground))) <= CAD_ERROR]
     colliding = [geom for geom in at_place if model.geom_contype[geom] or model.geom_conaffinity[geom]]
     return next(iter((*colliding, *with_name, *at_place)), None)
@@ -119,7 +122,7 @@ def _ground_geom(model: Any, ground: Ground) -> int | None:
 
 def _height_and_tilt(model: Any, geom: int, ground: Ground) -> tuple[float, float]:
     """Returns the height [m] of a plane above the ground, and its tilt [rad]. Shifts along the plane and
-    turns about its normal have no effect, since it is infinite."""
+    turns about its normal have no effect, since a plane is infinite."""
     pose = placed(model.geom_quat[geom], model.geom_pos[geom])
     normal, expected = pose[:3, 2], ground.world_from_ground[:3, 2]
     height = float(expected @ (pose[:3, 3] - ground.world_from_ground[:3, 3]))
@@ -133,17 +136,18 @@ def _option_differences(compiled: CompiledModel, scene: Scene) -> Iterator[Findi
     if any(change.added_tags & {"option", "flag"} for change in compiled.written.amendments.changes):
         return
     options, expected = compiled.model.opt, _expected_options(scene)
-    for attribute in OPTIONS:
+    for attribute in _OPTIONS:
         # Some options are missing in other versions of MuJoCo.
         if compiled.sets(attribute) or not hasattr(options, attribute):
             continue
-        values = getattr(options, attribute), getattr(expected, attribute)
+        actual, wanted = getattr(options, attribute), getattr(expected, attribute)
         # The absolute tolerance is far below the smallest settings, such as a solver's tolerance of 1e-8.
-        if not np.allclose(*values, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE * ENGINE_TOLERANCE):
-            enum = ENUMS.get(attribute)
-            yield differs(
-                "option", attribute, *((_enum_word(enum, value) for value in values) if enum else values)
-            )
+        if np.allclose(actual, wanted, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE**2):
+            continue
+        enum = _ENUMS.get(attribute)
+        if enum:
+            actual, wanted = _enum_word(enum, actual), _enum_word(enum, wanted)
+        yield differs("option", attribute, actual, wanted)
     for bit in mujoco.mjtDisableBit.__members__.values():
         flag = bit.name.removeprefix(_DISABLE_PREFIX).lower()
         is_off, expected_off = (bool(int(option.disableflags) & int(bit)) for option in (options, expected))
