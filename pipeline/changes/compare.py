@@ -57,7 +57,7 @@ _TABLES_WITH_DOFS = ("joints", "loops")
 
 _SKIPPED_KEYS = ("format", "version", "source", "order", *TABLE_KEYS)
 """Keys that are not compared as values of the robot: tables, which are compared row by row; fields of the
-document; and positions in arrays, which follow from everything else except the order of the rows."""
+document; and `order`, the positions in arrays, which `_order_changes` compares."""
 
 _SKIPPED_PART_FIELDS = ("path", "world")
 """Fields of a part that are not compared: `path` is its key, and `world` follows from other fields."""
@@ -85,28 +85,29 @@ def _robot_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: N
 
 
 def _table_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    for table, key in TABLE_KEYS.items():
+    for table, row_key in TABLE_KEYS.items():
         new_names = _NEW_NAMES[table](names) if table in _NEW_NAMES else {}
-        pairs = pair_rows(before.get(table, ()), after.get(table, ()), key, new_names)
+        pairs = pair_rows(before.get(table, ()), after.get(table, ()), row_key, new_names)
         for row in pairs.removed:
-            yield Change(table, row_title(row, key), "removed", before=row, text=_row_text(table, row))
+            yield Change(table, row_title(row, row_key), "removed", before=row, text=_row_text(table, row))
         for row in pairs.added:
-            yield Change(table, row_title(row, key), "added", after=row, text=_row_text(table, row))
+            yield Change(table, row_title(row, row_key), "added", after=row, text=_row_text(table, row))
         for earlier, later in pairs.both:
-            yield from _row_changes(table, key, earlier, later, names)
+            yield from _row_changes(table, row_key, earlier, later, names)
         if table == "links":
             yield from _part_changes(before, after, names)
 
 
-def _row_changes(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
+def _row_changes(table: str, row_key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
     """Yields differences of a row that both robots have."""
-    name, old_name = row_title(after, key), row_title(before, key)
+    name, old_name = row_title(after, row_key), row_title(before, row_key)
     kind = after["dofs"][0]["kind"] if table in _TABLES_WITH_DOFS and after["dofs"] else "turn"
     # An actuator is named after its joint: its renaming would only repeat that of the joint.
     if old_name != name and table in ("links", "joints", "loops"):
         yield Change(table, name, "renamed", "name", old_name, name, f"was {old_name}")
+    key_fields = (row_key,) if isinstance(row_key, str) else row_key
     for field in dict.fromkeys((*before, *after)):
-        if field == key or field in key or field in _SKIPPED_FIELDS:
+        if field in key_fields or field in _SKIPPED_FIELDS:
             continue
         if field == "dofs" and table in _TABLES_WITH_DOFS:
             yield from _dof_changes(table, name, before[field], after[field], names)
@@ -132,7 +133,7 @@ def _dof_changes(table: str, joint: str, before: Any, after: Any, names: Names) 
 
 
 def _part_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    """Yields CAD parts that were added or removed, went to another link, or moved in their link."""
+    """Yields the changes of CAD parts: added or removed, gone to another link, or moved in their link."""
     old, new = _parts_of(before), _parts_of(after)
     for key, (link, part) in old.items():
         if key not in new:
@@ -143,15 +144,15 @@ def _part_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Na
         if key not in old:
             yield Change("parts", part["name"], "added", after=part, text=f"to {link}, {_mass_text(part)}")
             continue
-        old_name, earlier = old[key]
-        old_name = names.links.get(old_name, old_name)
-        if old_name != link:
+        old_link, earlier = old[key]
+        old_link = names.links.get(old_link, old_link)
+        if old_link != link:
             yield Change(
-                "parts", part["name"], "changed", "link", old_name, link, f"went from {old_name} to {link}"
+                "parts", part["name"], "changed", "link", old_link, link, f"went from {old_link} to {link}"
             )
         for field in dict.fromkeys((*earlier, *part)):
             # In another link the part's pose is in another frame.
-            if field not in _SKIPPED_PART_FIELDS and not (field == "pose" and old_name != link):
+            if field not in _SKIPPED_PART_FIELDS and not (field == "pose" and old_link != link):
                 yield from _field_changes("parts", part["name"], field, earlier.get(field), part.get(field))
 
 
@@ -172,7 +173,8 @@ def _parts_of(robot: Mapping[str, Any]) -> dict[tuple[Any, ...], tuple[str, Entr
 def _field_changes(
     section: str, name: str, path: str, before: Any, after: Any, kind: str = "turn"
 ) -> Iterator[Change]:
-    """Yields the difference of a value, or the differences of a mapping's keys."""
+    """Yields the difference of a value, or the differences of a mapping's keys. `kind`: the kind of the dof
+    whose units the value has, "turn" or "slide"."""
     if isinstance(before, Mapping) and isinstance(after, Mapping) and not is_pose(before):
         for key in dict.fromkeys((*before, *after)):
             yield from _field_changes(section, name, f"{path}.{key}", before.get(key), after.get(key), kind)
@@ -181,8 +183,8 @@ def _field_changes(
 
 
 def _order_changes(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -> Iterator[Change]:
-    """Yields tables of a file whose rows are the same in another order, which would mix up a controller's
-    arrays."""
+    """Yields a change for each table of a file whose rows are the same in another order, which would mix up a
+    controller's arrays."""
     old, new = before.get("order") or {}, after.get("order") or {}
     for file in (file for file in new if file in old):
         for table in sorted(old[file].keys() & new[file].keys()):

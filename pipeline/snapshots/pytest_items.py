@@ -39,7 +39,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def _repository(config: pytest.Config) -> RobotRepository:
     folder = config.rootpath / str(config.getini("linkwright_folder") or "")
-    config_dirs = (str(config.rootpath / folder) for folder in config.getini("linkwright_config_dirs"))
+    # Absolute, since pytest's settings name folders from its root folder.
+    config_dirs = (
+        str(config.rootpath / config_dir) for config_dir in config.getini("linkwright_config_dirs")
+    )
     return RobotRepository(folder, tuple(config_dirs))
 
 
@@ -56,8 +59,11 @@ class Snapshots(pytest.Collector):
             self._test(subject.title, partial(act, snapshots, subject), subject)
             for subject in snapshots.subjects
         ]
-        last = snapshots.remove_left_over_snapshots if update else partial(_check_left_over, snapshots)
-        return [*tests, self._test("left over", last, SnapshotSubject())]
+        act_on_left_over = (
+            snapshots.remove_left_over_snapshots if update else partial(_check_left_over, snapshots)
+        )
+        # This test has no subject: it is about the folder.
+        return [*tests, self._test("left over", act_on_left_over, SnapshotSubject())]
 
     def _test(self, name: str, act: Callable[[], list[str]], subject: SnapshotSubject) -> pytest.Item:
         return SnapshotTest.from_parent(self, name=name, act=act, subject=subject)

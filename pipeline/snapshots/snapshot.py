@@ -17,7 +17,7 @@ from linkwright.pipeline.snapshots.subjects import (
     compose_subject,
     subjects,
 )
-from linkwright.pipeline.snapshots.text import text
+from linkwright.pipeline.snapshots.text import snapshot_text
 
 Environ = Mapping[str, str]
 
@@ -79,7 +79,7 @@ def snapshot(repository: RobotRepository, subject: SnapshotSubject, environ: Env
         bundle = _bundle(composer, subject, subject_plan)
     with chdir(repository.folder), offline():
         figures = figures_of(subject_plan.plan, bundle, environ)
-    content = Secrets(environ, repository.folder).blanked(text(subject, subject_plan, figures))
+    content = Secrets(environ, repository.folder).blanked(snapshot_text(subject, subject_plan, figures))
     return Snapshot(subject, subject_plan.plan.name, content)
 
 

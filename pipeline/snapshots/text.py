@@ -1,10 +1,12 @@
 """Writes and reads the text of a snapshot: lines `key: value` in sections, so that a diff shows each change.
 
-The text contains only differences from the defaults. So each line is a setting in a file, and a new version
-of Linkwright, whose new keys no file sets, leaves the text unchanged.
+Its configuration contains only differences from the defaults. So each line is a setting in a file, and a new
+version of Linkwright, whose new keys no file sets, leaves the text unchanged.
 """
 
+import functools
 import json
+import operator
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
@@ -22,24 +24,24 @@ FORMAT = 1
 
 CHOICES, CONFIGURATION, FIGURES = "choices", "configuration", "figures"
 
-KIND: Place = ("source", "kind")
-"""A key that is always written, since it determines which other keys its section has."""
+ALWAYS_WRITTEN: Place = ("source", "kind")
+"""The key that is always written, since it determines which other keys its section has."""
 
 Entries = Mapping[tuple[str, str], str]
 """Maps section and key to the value; the section of the subject is ""."""
 
 
-def text(subject: SnapshotSubject, plan_of_subject: Composed, figures: Figures) -> str:
+def snapshot_text(subject: SnapshotSubject, composed: Composed, figures: Figures) -> str:
     """Returns the snapshot's text, which is the same in any folder and on any computer."""
-    chosen = (f"{key}: {_value(option)}" for key, option in subject.chosen_options.items())
+    chosen = (f"{key}: {_on_one_line(option)}" for key, option in subject.chosen_options.items())
     lines = [f"{HEAD} {FORMAT}", *chosen]
     sections = {
-        CHOICES: _choices(plan_of_subject),
-        CONFIGURATION: dict(_keys(plan_of_subject)),
+        CHOICES: _choices(composed),
+        CONFIGURATION: dict(_changed_keys(composed)),
         FIGURES: figures.lines(),
     }
     for name, entries in sections.items():
-        lines += ["", f"[{name}]", *(f"{key}: {_value(value)}" for key, value in entries.items())]
+        lines += ["", f"[{name}]", *(f"{key}: {_on_one_line(value)}" for key, value in entries.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -48,7 +50,8 @@ def read_entries(snapshot: str) -> Entries | None:
     head, *lines = snapshot.replace("\r\n", "\n").split("\n")
     if head != f"{HEAD} {FORMAT}":
         return None
-    section, entries = "", {}
+    section = ""
+    entries: dict[tuple[str, str], str] = {}
     for line in lines:
         key, colon, value = line.partition(": ")
         if colon:
@@ -60,27 +63,31 @@ def read_entries(snapshot: str) -> Entries | None:
 
 def subject_of(entries: Entries) -> SnapshotSubject:
     """Returns the subject of a snapshot."""
-    return SnapshotSubject(*(_plain(entries.get(("", key), "")) for key in ("robot", "experiment")))
+    return SnapshotSubject(*(_read_text(entries.get(("", key), "")) for key in ("robot", "experiment")))
 
 
-def _choices(plan_of_subject: Composed) -> dict[str, Any]:
+def _choices(composed: Composed) -> dict[str, Any]:
     """Returns the chosen options of each group, including defaults, without the option `none`."""
-    groups = {str(group): option for group, option in plan_of_subject.config.hydra.runtime.choices.items()}
-    chosen = {group: groups.get(group) for group in GROUPS if group not in MULTIPLE_GROUPS}
-    plan = plan_of_subject.plan.tree()
+    choices = composed.config.hydra.runtime.choices
+    option_of_group = {str(group): option for group, option in choices.items()}
+    chosen = {group: option_of_group.get(group) for group in GROUPS if group not in MULTIPLE_GROUPS}
+    plan = composed.plan.tree()
     for group in MULTIPLE_GROUPS:
         chosen[group] = sorted(name for name, keys in plan[group].items() if keys is not None)
-    chosen |= {group: option for group, option in groups.items() if group not in GROUPS and "/" not in group}
+    chosen |= {
+        group: option for group, option in option_of_group.items() if group not in GROUPS and "/" not in group
+    }
     return {group: chosen[group] for group in sorted(chosen) if chosen[group] not in (None, "none", [])}
 
 
-def _keys(plan_of_subject: Composed) -> Iterator[tuple[str, Any]]:
+def _changed_keys(composed: Composed) -> Iterator[tuple[str, Any]]:
     """Yields the keys of the configuration that differ from the defaults, with their values; interpolations
     stay as they are written."""
-    plan = plan_of_subject.plan
+    plan = composed.plan
     changed = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-    written, computed = as_written(plan_of_subject.config), sorted(plan_of_subject.computed, key=str)
+    written, computed = as_written(composed.config), sorted(composed.computed, key=str)
     for place, value in _changed_places(plan.tree(), changed, computed):
+        # The written tree lacks what validation added, or has another structure there.
         with suppress(KeyError, IndexError, TypeError):
             value = _with_interpolations(value, place, written, computed)
         yield key_of(place), value
@@ -89,8 +96,8 @@ def _keys(plan_of_subject: Composed) -> Iterator[tuple[str, Any]]:
 def _changed_places(
     tree: Any, changed: Any, computed: list[Place], place: Place = ()
 ) -> Iterator[tuple[Place, Any]]:
-    """Yields the places of `tree` that are in `changed` or are computed, with their values. A computed value
-    is written even if it equals the default."""
+    """Yields (place, value) of the leaves of `tree` that differ from the default, so that they are in
+    `changed`, or that are computed, even if they equal the default; `ALWAYS_WRITTEN` in any case."""
     for name, value in tree.items():
         inner_place = (*place, name)
         is_changed = isinstance(changed, Mapping) and name in changed
@@ -99,19 +106,18 @@ def _changed_places(
         if isinstance(value, Mapping) and value and inner_place not in computed:
             if is_changed or is_computed:
                 yield from _changed_places(value, changed_below, computed, inner_place)
-        elif is_changed or is_computed or inner_place == KIND:
+        elif is_changed or is_computed or inner_place == ALWAYS_WRITTEN:
             yield inner_place, value
 
 
 def _with_interpolations(value: Any, place: Place, written: Any, computed: list[Place]) -> Any:
     """Returns a value with its interpolations as they are written."""
-    for name in place:
-        written = written[name]
+    written_value = functools.reduce(operator.getitem, place, written)
     if place in computed:
-        return written
+        return written_value
     for computed_place in computed:
         if computed_place[: len(place)] == place:
-            value = _with_written_part(value, computed_place[len(place) :], written)
+            value = _with_written_part(value, computed_place[len(place) :], written_value)
     return value
 
 
@@ -124,7 +130,7 @@ def _with_written_part(value: Any, place: Place, written: Any) -> Any:
     return changed
 
 
-def _value(value: Any) -> str:
+def _on_one_line(value: Any) -> str:
     """Returns a value as JSON in a line; a text without quotes if it cannot be taken for JSON."""
     if isinstance(value, str) and value and value.isprintable() and value == value.strip():
         try:
@@ -135,8 +141,8 @@ def _value(value: Any) -> str:
     return line if line.isprintable() else json.dumps(value)
 
 
-def _plain(line: str) -> str:
-    """Returns the text that `_value` wrote as a line."""
+def _read_text(line: str) -> str:
+    """Returns the text that `_on_one_line` wrote as a line."""
     try:
         return str(json.loads(line))
     except ValueError:

@@ -23,42 +23,45 @@ def write_keyframes(root: Element, inputs: "WriterInput", model: Element | None 
     file, or of the scene; in the latter case `model` is the root of the robot's file."""
     written = inputs.written
     robot, extras = written.as_mjcf.robot, written.extras
+    # The order of `qpos` is that of the joints in the compiled file.
     joints = [node.get("name") for node, _ in joints_in_order(root if model is None else model)]
     scene_qpos_by_name = {keyed.name: keyed.scene or extras.scene_qpos for keyed in extras.keyframes}
     if not joints and not extras.scene_qpos:
         return
     keyframe = element(root, "keyframe")
     for name, q in keyframes(robot).items():
-        texts = dict(_qpos(robot, q, written.start, inputs.standing.placed(q, name)))
-        numbers = [texts[joint] for joint in joints]
+        qpos_by_joint = dict(_qpos_by_joint(robot, q, written.start, inputs.standing.placed(q, name)))
+        qpos_texts = [qpos_by_joint[joint] for joint in joints]
         if model is not None:
-            numbers += [
+            # Whether a value is an angle or a length is unknown here; both are written as angles are.
+            qpos_texts += [
                 number(value, least=TURN) for value in scene_qpos_by_name.get(name, extras.scene_qpos)
             ]
         actuators = [
-            *_driven(written, name, q),
+            *_keyed_robot_actuators(written, name, q),
             *(keyed_actuators_of(extras.scene) if model is not None else ()),
         ]
-        element(keyframe, "key", name=name, qpos=" ".join(numbers), **key_attributes(actuators))
+        element(keyframe, "key", name=name, qpos=" ".join(qpos_texts), **key_attributes(actuators))
 
 
-def _driven(written: "Written", keyframe: str, q: Configuration) -> list[KeyedActuator]:
+def _keyed_robot_actuators(written: "Written", keyframe: str, q: Configuration) -> list[KeyedActuator]:
     """Returns the robot's actuators in the order of the file."""
     extras = written.extras
-    actuators = {drive.name: drive for drive in keyed_actuators(written.actuation, keyframe, q)}
-    actuators |= {drive.name: drive for drive in keyed_actuators_of(extras.sections)}
+    actuators = {actuator.name: actuator for actuator in keyed_actuators(written.actuation, keyframe, q)}
+    actuators |= {actuator.name: actuator for actuator in keyed_actuators_of(extras.sections)}
     return [actuators[name] for name in extras.in_order("actuator", actuators)]
 
 
-def _qpos(
+def _qpos_by_joint(
     robot: Robot, q: Configuration, start: Configuration, world_from_root: Array
 ) -> Iterator[tuple[str, str]]:
-    """Yields (name, numbers) for each joint of the model at `q`."""
+    """Yields (name, numbers in `qpos`) of each joint of the robot and its loops at `q`."""
     if not robot.base.fixed:
         yield free_joint_name(robot), free_qpos(world_from_root)
     chains = [(joint.parent_from_joint, joint.dofs) for joint in robot.joints]
     chains += [(loop.b_from_frame, loop.dofs) for loop in robot.loops]
     for parent_from_joint, dofs in chains:
         for dof in dofs:
+            # A free joint is below the world, placed as if its parent were at the root: see `bodies`.
             world_from_joint = world_from_root @ parent_from_joint if dof.kind == "free" else UNMOVED
             yield dof.name, qpos(dof, q[dof.name], start[dof.name], world_from_joint)

@@ -61,7 +61,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
             node, link.name, shapes[link.name, "collision"], assets, sibling_names, plan.contacts.masks
         )
         for sensor in plan.sensors.mounted:
-            if sensor.link == link.name and not sensor.on_joint:
+            if sensor.link == link.name and not sensor.is_on_joint:
                 _write_mounted(node, sensor, sibling_names, colliders)
     for name in lowered.between:
         write_link(model, name, SPECK, carriers, lowered)
@@ -71,7 +71,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
         element(base, "child").text = first
     loads: dict[str, list[SdfSensor]] = {}
     for sensor in plan.sensors.mounted:
-        if sensor.on_joint:
+        if sensor.is_on_joint:
             loads.setdefault(names.links[sensor.link], []).append(sensor)
     for joint in lowered.joints:
         node = write_joint(model, joint)

@@ -32,6 +32,9 @@ DEFAULT_RANGE = 100.0
 MIN_RANGE = 1e-3
 """Smallest distance [m] that a rangefinder measures."""
 
+NEAR_CLIP, FAR_CLIP = 0.01, 100.0
+"""The distances [m] between which a camera sees."""
+
 ORIGIN_TOLERANCE = 1e-9
 """Distance [m] from the origin of its joint beyond which a sensor counts as elsewhere."""
 
@@ -49,6 +52,8 @@ _ALONG_Z = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 _FROM_IMAGE = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 """camera_from_sensor (3, 3): SDF's cameras look along x, with z up; ours along z, with y down."""
+
+_Places = Mapping[tuple[bool, str], tuple[str, Array]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +81,7 @@ class SdfSensor:
         return torque and math.hypot(*self.link_from_sensor[:3, 3]) > ORIGIN_TOLERANCE
 
     @property
-    def on_joint(self) -> bool:
+    def is_on_joint(self) -> bool:
         """Tells whether the sensor belongs to the joint above its link."""
         return self.type == "force_torque"
 
@@ -100,17 +105,11 @@ def sensors_of(
     groups: dict[tuple[str, str, str], list[Sensor]] = defaultdict(list)
     left_out = []
     for sensor in sensing.sensors:
-        type_ = SDF_TYPES.get(sensor.type)
-        place = places.get((sensor.target == "body", sensor.name_of_target)) if sensor.target else None
-        possible = type_ is not None and place is not None and not sensor.relative_to
-        if possible and type_ == "force_torque":
-            possible = place is not None and place[0] in jointed_links
-        if possible and type_ == "contact":
-            possible = place is not None and place[0] in links_with_colliders
-        if possible and type_ is not None:
-            groups[type_, sensor.target, sensor.name_of_target].append(sensor)
-        else:
+        type_ = _sdf_type(sensor, places, jointed_links, links_with_colliders)
+        if type_ is None:
             left_out.append(sensor.name)
+        else:
+            groups[type_, sensor.target, sensor.name_of_target].append(sensor)
     mounted = []
     used_names: set[str] = set()
     for (type_, target, name), measured in groups.items():
@@ -134,10 +133,10 @@ def sensors_of(
     return Sensors(tuple(mounted), tuple(left_out))
 
 
-def write_sensor(above: Element, mounted: SdfSensor, name: str, colliders: Sequence[str]) -> Element:
-    """Writes a sensor under its link or joint, without its pose. `colliders`: the names of its link's
-    colliders."""
-    node = element(above, "sensor", name=name, type=mounted.type)
+def write_sensor(parent: Element, mounted: SdfSensor, name: str, colliders: Sequence[str]) -> Element:
+    """Writes a sensor under its link or joint, without its pose. `name`: its name among its siblings, which
+    may differ from `mounted.name`; `colliders`: the names of its link's colliders."""
+    node = element(parent, "sensor", name=name, type=mounted.type)
     element(node, "always_on").text = "true"
     if mounted.type in ("imu", "magnetometer", "force_torque"):
         inner = element(node, mounted.type)
@@ -159,7 +158,23 @@ def write_sensor(above: Element, mounted: SdfSensor, name: str, colliders: Seque
     return node
 
 
-def _places(robot: Robot, sensing: Sensing) -> dict[tuple[bool, str], tuple[str, Array]]:
+def _sdf_type(
+    sensor: Sensor, places: _Places, jointed_links: Sequence[str], links_with_colliders: Sequence[str]
+) -> str | None:
+    """Returns SDF's type of a sensor; None if SDF cannot express the sensor."""
+    type_ = SDF_TYPES.get(sensor.type)
+    place = places.get((sensor.target == "body", sensor.name_of_target)) if sensor.target else None
+    if type_ is None or place is None or sensor.relative_to:
+        return None
+    link, _ = place
+    if type_ == "force_torque" and link not in jointed_links:
+        return None
+    if type_ == "contact" and link not in links_with_colliders:
+        return None
+    return type_
+
+
+def _places(robot: Robot, sensing: Sensing) -> _Places:
     """Maps (whether the target is a centre of mass, name of the target) to its link and link_from_target (4,
     4)."""
     places = {
@@ -178,15 +193,15 @@ def _common_stem(names: Sequence[str]) -> str:
     return stems.pop() if len(stems) == 1 else ""
 
 
-def _noise_of_axes(above: Element, path: Sequence[str], deviation: float) -> None:
+def _noise_of_axes(parent: Element, path: Sequence[str], deviation: float) -> None:
     for tag in path:
-        above = element(above, tag)
+        parent = element(parent, tag)
     for axis in "xyz":
-        _noise(element(above, axis), deviation)
+        _noise(element(parent, axis), deviation)
 
 
-def _noise(above: Element, deviation: float) -> None:
-    node = element(above, "noise", type="gaussian")
+def _noise(parent: Element, deviation: float) -> None:
+    node = element(parent, "noise", type="gaussian")
     element(node, "mean").text = "0"
     element(node, "stddev").text = number(deviation)
 
@@ -194,13 +209,14 @@ def _noise(above: Element, deviation: float) -> None:
 def _lidar(node: Element, sensor: Sensor) -> None:
     """Writes a lidar with a single ray."""
     lidar = element(node, "lidar")
-    across = element(element(lidar, "scan"), "horizontal")
+    horizontal = element(element(lidar, "scan"), "horizontal")
     for tag, text in (("samples", "1"), ("resolution", "1"), ("min_angle", "0"), ("max_angle", "0")):
-        element(across, tag).text = text
-    ends = element(lidar, "range")
-    element(ends, "min").text = number(MIN_RANGE)
-    element(ends, "max").text = number(sensor.cutoff or DEFAULT_RANGE)
+        element(horizontal, tag).text = text
+    range_ = element(lidar, "range")
+    element(range_, "min").text = number(MIN_RANGE)
+    element(range_, "max").text = number(sensor.cutoff or DEFAULT_RANGE)
     if sensor.noise:
+        # The type of a lidar's noise is an element, not an attribute.
         noise = element(lidar, "noise")
         for tag, text in (("type", "gaussian"), ("mean", "0"), ("stddev", number(sensor.noise))):
             element(noise, tag).text = text
@@ -210,11 +226,11 @@ def _camera(node: Element, camera: SensorCamera) -> None:
     inner = element(node, "camera")
     width, height = camera.resolution
     # SDF has the horizontal angle of view, our cameras the vertical one.
-    half = math.tan(math.radians(camera.fovy) / 2) * width / height
-    element(inner, "horizontal_fov").text = number(2 * math.atan(half))
+    half_width = math.tan(math.radians(camera.fovy) / 2) * width / height
+    element(inner, "horizontal_fov").text = number(2 * math.atan(half_width))
     image = element(inner, "image")
     element(image, "width").text = str(width)
     element(image, "height").text = str(height)
     clip = element(inner, "clip")
-    element(clip, "near").text = "0.01"
-    element(clip, "far").text = "100"
+    element(clip, "near").text = number(NEAR_CLIP)
+    element(clip, "far").text = number(FAR_CLIP)

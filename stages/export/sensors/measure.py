@@ -4,7 +4,7 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from linkwright.stages.export.sensors.mounted import MountedSensors
-from linkwright.stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
+from linkwright.stages.export.sensors.of_dofs import actuator_sensors, joint_sensors, requested_sensors
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.measuring import measuring
 from linkwright.stages.robot.errors import Diagnostic, ExportError
@@ -35,7 +35,7 @@ def sensing_of(
     log = Diagnostics(optional=keys.optional)
     mounted = MountedSensors(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
     sensors = [("", mounted.of_source(source)) for source in measuring(robot, actuation)]
-    sensors += encoders(actuation, keys.actuators, log)
+    sensors += requested_sensors(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"
         if plain(name) != name:

@@ -14,49 +14,56 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.actuator_section import ActuatorSection
     from linkwright.stages.export.configuration.sensor_section import SensorSection
 
-OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
+BALL_ELEMENTS = {"pos": "ballquat", "vel": "ballangvel"}
 """Measured quantity → MuJoCo's element for a ball."""
 
-ENCODER = {"pos": "actuatorpos", "vel": "actuatorvel"}
+ENCODER_ELEMENTS = {"pos": "actuatorpos", "vel": "actuatorvel"}
 """Measured quantity → MuJoCo's element for an actuator's encoder."""
 
 
-def joint_sensors(name: str, keys: "SensorSection", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
-    """Yields the sensors of the dofs that an entry names, dof by dof. A glob skips quantities that a dof
-    lacks."""
-    where, glob = f"sensors.{name}.joints", keys.joints or "*"
+def joint_sensors(name: str, section: "SensorSection", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
+    """Yields the sensors of the dofs that an entry of `sensors` names, dof by dof, without quantities that a
+    dof lacks. Reports E-GLOB if no dof matches, and E-SENSOR for a quantity that all matched dofs lack and
+    for a wrong unit."""
+    where, glob = f"sensors.{name}.joints", section.joints or "*"
     dofs = [dof for dof in robot.dofs if matches_glob(dof.name, glob)]
     if not dofs:
-        _report_dof(glob, where, robot, log)
+        _report_no_dof(glob, where, robot, log)
         return
-    exact = [dof.name for dof in dofs] == [glob]
-    for measured in keys.measured:
+    is_named = [dof.name for dof in dofs] == [glob]
+    for measured in section.measured:
         reasons = [reason for dof in dofs if (reason := _missing_reason(dof, measured))]
         if len(reasons) == len(dofs):
-            first = f"{dofs[0].name} {reasons[0]}"
-            text = first if exact else f"no joint that {glob!r} matches has {measured}: {first}"
+            example = f"{dofs[0].name} {reasons[0]}"
+            text = example if is_named else f"no joint that {glob!r} matches has {measured}: {example}"
             log.report("E-SENSOR", text, where, f"leave {measured} out of measure, or name another joint")
     for dof in dofs:
-        for measured in keys.measured:
+        for measured in section.measured:
             if _missing_reason(dof, measured):
                 continue
-            _check_units(measured, keys, dof, f"sensors.{name}", log)
-            of_ball = measured in OF_BALLS and dof.kind == "ball"
+            _check_units(measured, section, dof, f"sensors.{name}", log)
+            is_of_ball = measured in BALL_ELEMENTS and dof.kind == "ball"
             yield Sensor(
-                f"{name}_{measured}" if exact else f"{name}_{dof.name}_{measured}",
-                OF_BALLS[measured] if of_ball else MEASURES["joint"][measured],
+                _sensor_name(name, "" if is_named else dof.name, measured),
+                BALL_ELEMENTS[measured] if is_of_ball else MEASURES["joint"][measured],
                 "joint",
                 dof.name,
-                noise=keys.noise_of(measured),
-                cutoff=0.0 if of_ball and measured == "pos" else keys.cutoff_of(measured),
+                noise=section.noise_of(measured),
+                # A quaternion has no cutoff.
+                cutoff=0.0 if is_of_ball and measured == "pos" else section.cutoff_of(measured),
             )
 
 
-def _check_units(measured: str, keys: "SensorSection", dof: Dof, where: str, log: Diagnostics) -> None:
+def _sensor_name(entry: str, owner: str, measured: str) -> str:
+    """Joins the name of an entry, of the dof or actuator if the entry has a glob, and of the quantity."""
+    return "_".join(filter(None, (entry, owner, measured)))
+
+
+def _check_units(measured: str, section: "SensorSection", dof: Dof, where: str, log: Diagnostics) -> None:
     """Reports a length for a dof that turns, and an angle for one that slides (E-SENSOR)."""
-    names: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
-    for key in names:
-        if wrong := misfit(keys.typed(key, measured), dof.kind):
+    keys_with_units: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
+    for key in keys_with_units:
+        if wrong := misfit(section.typed(key, measured), dof.kind):
             log.report("E-SENSOR", f"{key} of {measured} of {dof.name}: {wrong}", where, as_typed(dof.kind))
 
 
@@ -65,17 +72,19 @@ def _missing_reason(dof: Dof, measured: str) -> str:
     if dof.kind == "free":
         return "moves freely: a sensor of type frame measures where its link is"
     if dof.kind == "ball":
-        return "" if measured in OF_BALLS else f"is a ball: it has pos and vel, but no {measured}"
+        return "" if measured in BALL_ELEMENTS else f"is a ball: it has pos and vel, but no {measured}"
     if measured.startswith("limit_") and dof.limits.lower is None and dof.limits.upper is None:
         return f"has no limits, so it has no {measured}"
     return ""
 
 
-def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
-    of_joint = [dof.name for joint in robot.joints if matches_glob(joint.name, glob) for dof in joint.dofs]
-    if of_joint:
+def _report_no_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
+    """Reports a glob that matches no dof (E-GLOB)."""
+    joints = [joint for joint in robot.joints if matches_glob(joint.name, glob)]
+    dofs_of_joints = [dof.name for joint in joints for dof in joint.dofs]
+    if dofs_of_joints:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
-        log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(of_joint)}")
+        log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(dofs_of_joints)}")
     else:
         report_unmatched(glob, "joint", [dof.name for dof in robot.dofs], where, log)
 
@@ -89,49 +98,53 @@ def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, l
 
 
 def actuator_sensors(
-    name: str, keys: "SensorSection", robot: Robot, actuation: Actuation, log: Diagnostics
+    name: str, section: "SensorSection", robot: Robot, actuation: Actuation, log: Diagnostics
 ) -> Iterator[Sensor]:
-    """Yields the sensors of the actuators that an entry names, actuator by actuator."""
-    glob = keys.actuators or "*"
+    """Yields the sensors of the actuators that an entry of `sensors` names, actuator by actuator. Reports
+    E-GLOB if no actuator matches, and E-SENSOR for a wrong unit."""
+    glob = section.actuators or "*"
     all_names = [actuator.name for actuator in actuation.actuators]
     names = [actuator_name for actuator_name in all_names if matches_glob(actuator_name, glob)]
     report_unmatched(glob, "actuator", all_names, f"sensors.{name}.actuators", log)
-    exact = names == [glob]
+    is_named = names == [glob]
     dofs = {dof.name: dof for dof in robot.dofs}
-    driven = {actuator.name: dofs[actuator.dof] for actuator in actuation.actuators}
+    dof_of_actuator = {actuator.name: dofs[actuator.dof] for actuator in actuation.actuators}
     for actuator in names:
-        for measured in keys.measured:
-            _check_units(measured, keys, driven[actuator], f"sensors.{name}", log)
+        for measured in section.measured:
+            _check_units(measured, section, dof_of_actuator[actuator], f"sensors.{name}", log)
             yield Sensor(
-                f"{name}_{measured}" if exact else f"{name}_{actuator}_{measured}",
+                _sensor_name(name, "" if is_named else actuator, measured),
                 MEASURES["actuator"][measured],
                 "actuator",
                 actuator,
-                noise=keys.noise_of(measured),
-                cutoff=keys.cutoff_of(measured),
+                noise=section.noise_of(measured),
+                cutoff=section.cutoff_of(measured),
             )
 
 
-def encoders(
+def requested_sensors(
     actuation: Actuation, entries: Mapping[str, "ActuatorSection"], log: Diagnostics
 ) -> Iterator[tuple[str, Sensor]]:
-    """Yields the sensors that the entries of `actuators` request, actuator by actuator, each with its key.
+    """Yields the sensors that the entries of `actuators` request, actuator by actuator, each with its
+    key.
 
     Reports an entry that requests only sensors for a dof that nothing drives (E-SENSOR).
     """
-    for glob, keys in entries.items():
-        needs_actuator = keys.only_measures and (keys.encoder or keys.force) and glob != "*"
+    for glob, entry in entries.items():
+        # An entry for all dofs may request more sensors than there are actuators.
+        needs_actuator = entry.only_measures and (entry.encoder or entry.force) and glob != "*"
         if needs_actuator and not any(matches_glob(actuator.dof, glob) for actuator in actuation.actuators):
             text = f"nothing drives {glob!r}, so there is nothing to measure"
             log.report("E-SENSOR", text, f"actuators.{glob}", "give it a type or a motor too")
     for actuator in actuation.actuators:
-        for key, measures in (("encoder", ENCODER), ("force", {"force": "actuatorfrc"})):
+        for key, measures in (("encoder", ENCODER_ELEMENTS), ("force", {"force": "actuatorfrc"})):
             requests = [
                 (glob, value)
-                for glob, keys in entries.items()
+                for glob, entry in entries.items()
                 if matches_glob(actuator.dof, glob)
-                if (value := getattr(keys, key)) is not None
+                if (value := getattr(entry, key)) is not None
             ]
+            # The last entry that matches decides.
             if requests and requests[-1][1]:
                 for measured, kind in measures.items():
                     sensor = Sensor(f"{actuator.name}_{measured}", kind, "actuator", actuator.name)

@@ -47,7 +47,7 @@ from pydantic import (
 )
 
 from linkwright.stages.fetch import SOURCES, source_class
-from linkwright.stages.fetch.recording import LARGEST, Recording
+from linkwright.stages.fetch.recording import MAX_BYTES, Recording
 from linkwright.stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from linkwright.stages.robot.errors import SourceError
 
@@ -255,8 +255,8 @@ def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
 
 def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
     total = sum(info.file_size for info in infos)
-    if total > LARGEST:
-        raise _refused(f"it would unpack to {total} bytes; at most {LARGEST} are read", where)
+    if total > MAX_BYTES:
+        raise _refused(f"it would unpack to {total} bytes; at most {MAX_BYTES} are read", where)
     for info in infos:
         if info.filename == _MANIFEST and info.file_size > _MAX_MANIFEST:
             raise _refused(f"its manifest.json would unpack to {info.file_size} bytes", where)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from linkwright.stages.fetch import source_class
-from linkwright.stages.fetch.recording import LARGEST
+from linkwright.stages.fetch.recording import MAX_BYTES
 from linkwright.stages.fetch.source import FetchContext, Fetched, FileSource
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
@@ -38,7 +38,7 @@ class BundleSource(FileSource):
         try:
             return self.read()
         except regular_files.FileTooLarge as error:
-            msg = f"not readable as a bundle: it has {error.size} bytes; at most {LARGEST} are read"
+            msg = f"not readable as a bundle: it has {error.size} bytes; at most {MAX_BYTES} are read"
             hint = "check that source.path names the right file"
             raise SourceError(msg, self.label(), hint) from None
         except OSError as error:
@@ -47,4 +47,4 @@ class BundleSource(FileSource):
 
     def read(self) -> bytes:
         """Returns the bytes of the zip. Raises the system's errors."""
-        return regular_files.content(Path(self._keys.path), LARGEST)
+        return regular_files.content(Path(self._keys.path), MAX_BYTES)

@@ -21,7 +21,7 @@ def _parsed(text: str) -> AssemblyUrl:
 
 
 def _from_text(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-    """Text in, the parsed address as the value, and the text as it was typed out again."""
+    """Returns the schema of an address: text is parsed to an AssemblyUrl, and written out as it was typed."""
     as_typed = core_schema.plain_serializer_function_ser_schema(
         lambda url: url.text, return_schema=core_schema.str_schema()
     )
@@ -55,7 +55,7 @@ class OnshapeSourceSection(SourceSection):
 
     url: Annotated[Address, example("https://cad.onshape.com/documents/.../w/.../e/...")]
     """Address of the assembly, as the browser shows it: https and a host of onshape.com. An address on this
-    computer counts only on the command line, in Python, or if LINKWRIGHT_HOST names it:
+    computer is accepted only on the command line, in Python, or if LINKWRIGHT_HOST names it:
     `http://127.0.0.1:PORT`."""
 
     configuration: Annotated[dict[Text, Setting], example({"leg_length": "0.25 m"})] = Field(
@@ -95,8 +95,8 @@ class OnshapeSourceSection(SourceSection):
     the build ends and keeps what was fetched."""
 
     stale: Flag = False
-    """Whether a build from the last fetched state counts as success if the yearly quota of calls is used up.
-    With false the robot is built from that state too, but the exit status is 3."""
+    """Whether the exit status is 0 if the yearly quota of calls is used up and the robot is built from the
+    last fetched state. With false the robot is built from that state too, but the exit status is 3."""
 
     @field_validator("allow_write")
     @classmethod

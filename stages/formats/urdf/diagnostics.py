@@ -30,6 +30,20 @@ HINTS = {
 }
 """Code → the default hint of its diagnostics."""
 
+_ELEMENTS_LEFT_OUT = frozenset(
+    ("gazebo", "contact", "sensor", "safety_controller", "calibration", "self_collision_checking", "verbose")
+)
+"""Elements that a URDF may have in many places, and that do not describe links or joints."""
+
+_ATTRIBUTES_LEFT_OUT = frozenset(
+    (
+        *(("visual", "name"), ("visual", "group"), ("collision", "name"), ("collision", "group")),
+        *(("limit", "acceleration"), ("limit", "deceleration"), ("limit", "jerk")),
+        *(("link", "type"), ("joint", "dont_collapse")),
+    )
+)
+"""Attributes that a URDF may have, by their elements, and that the robot model does not hold."""
+
 
 class FileDiagnostics:
     """Diagnostics of a file, which `where` names, collected by line."""
@@ -37,16 +51,16 @@ class FileDiagnostics:
     def __init__(self, where: str) -> None:
         self._where = where
         self._errors: list[tuple[int, Diagnostic]] = []
-        self._others: list[tuple[int, Diagnostic]] = []
+        self._remarks: list[tuple[int, Diagnostic]] = []
         self._omitted_errors = 0
         self._omitted_warnings = 0
         self._left_out_counts: dict[str, int] = {}
-        self._unknown: dict[str, list[int]] = {}
+        self._lines_of_unknown: dict[str, list[int]] = {}
 
     def report(self, code: str, element: Element | int, message: str, hint: str = "") -> None:
         """Adds a diagnostic about an element, or about a line."""
         line = element if isinstance(element, int) else element.sourceline
-        entries = self._errors if code.startswith("E-") else self._others
+        entries = self._errors if code.startswith("E-") else self._remarks
         if len(entries) < _MAX_SHOWN:
             entries.append((line, Diagnostic(code, message, self._place(line), hint or HINTS.get(code, ""))))
         elif entries is self._errors:
@@ -63,18 +77,21 @@ class FileDiagnostics:
 
     def leave_out_unknown(self, name: str, element: Element) -> None:
         """Counts an unknown element or attribute that is left out."""
-        self._unknown.setdefault(name, []).append(element.sourceline)
+        self._lines_of_unknown.setdefault(name, []).append(element.sourceline)
 
-    def check(self, element: Element, children: Iterable[str], attributes: Iterable[str] = ()) -> None:
-        """Counts the children and attributes of an element that are not among these."""
+    def count_left_out(
+        self, element: Element, children: Iterable[str], attributes: Iterable[str] = ()
+    ) -> None:
+        """Counts the children and attributes of an element that are left out: those that do not describe
+        links or joints, and all others that are not among `children` and `attributes`."""
         for child in element:
             name = tag(child)
-            if name in _LEFT:
+            if name in _ELEMENTS_LEFT_OUT:
                 self.leave_out(f"<{name}>")
             elif name not in children:
                 self.leave_out_unknown(f"<{name}> in <{tag(element)}>", child)
         for name in element.attrib:
-            if (tag(element), name) in _LEFT_ATTRIBUTES or name.startswith("{") or ":" in name:
+            if (tag(element), name) in _ATTRIBUTES_LEFT_OUT or name.startswith("{") or ":" in name:
                 self.leave_out(f"{name.rpartition('}')[2]} of <{tag(element)}>")
             elif name not in attributes:
                 self.leave_out_unknown(f'{name}="" of <{tag(element)}>', element)
@@ -82,11 +99,11 @@ class FileDiagnostics:
     def collected(self) -> tuple[Diagnostic, ...]:
         """Returns the first fifty errors, then the first fifty warnings, each by line, then the elements left
         out. What is beyond fifty is counted."""
-        errors, remarks = (_by_line(entries) for entries in (self._errors, self._others))
+        errors, remarks = (_by_line(entries) for entries in (self._errors, self._remarks))
         if self._omitted_errors:
             text = f"and {self._omitted_errors} more errors"
             errors.append(Diagnostic("E-URDF-MORE", text, self._where, HINTS["E-URDF-MORE"]))
-        omitted_warnings = self._omitted_warnings + max(0, len(self._unknown) - _MAX_SHOWN)
+        omitted_warnings = self._omitted_warnings + max(0, len(self._lines_of_unknown) - _MAX_SHOWN)
         if omitted_warnings:
             text = f"and {omitted_warnings} more warnings"
             remarks.append(Diagnostic("W-URDF-MORE", text, self._where, HINTS["W-URDF-MORE"]))
@@ -94,7 +111,7 @@ class FileDiagnostics:
 
     def _left_out(self) -> list[Diagnostic]:
         diagnostics = []
-        for name, lines in list(self._unknown.items())[:_MAX_SHOWN]:
+        for name, lines in list(self._lines_of_unknown.items())[:_MAX_SHOWN]:
             times = f", and {len(lines) - 1} more" if len(lines) > 1 else ""
             msg = f"unknown {name}: left out{times}"
             hint = "check its spelling against the URDF reference"
@@ -108,19 +125,3 @@ class FileDiagnostics:
 
 def _by_line(entries: list[tuple[int, Diagnostic]]) -> list[Diagnostic]:
     return [diagnostic for _, diagnostic in sorted(entries, key=lambda pair: pair[0])]
-
-
-_LEFT = frozenset(
-    ("gazebo", "contact", "sensor", "safety_controller", "calibration", "self_collision_checking", "verbose")
-)
-"""Elements that a URDF may have in many places, and that do not describe links or joints."""
-
-
-_LEFT_ATTRIBUTES = frozenset(
-    (
-        *(("visual", "name"), ("visual", "group"), ("collision", "name"), ("collision", "group")),
-        *(("limit", "acceleration"), ("limit", "deceleration"), ("limit", "jerk")),
-        *(("link", "type"), ("joint", "dont_collapse")),
-    )
-)
-"""Attributes that a URDF may have, by their elements, and that the robot model does not hold."""

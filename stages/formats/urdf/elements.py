@@ -73,7 +73,7 @@ def pose(element: Element, log: FileDiagnostics) -> Array:
     origin = child(element, "origin", log)
     if origin is None:
         return frozen(np.eye(4))
-    log.check(origin, (), ("xyz", "rpy", "quat_xyzw"))
+    log.count_left_out(origin, (), ("xyz", "rpy", "quat_xyzw"))
     x, y, z = numbers(origin, "xyz", 3, log) or (0.0, 0.0, 0.0)
     quat = numbers(origin, "quat_xyzw", 4, log)
     # A quaternion of zeros is not a rotation: then `rpy` counts.

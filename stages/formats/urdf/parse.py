@@ -47,7 +47,7 @@ def parse(text: bytes, where: str) -> Urdf:
     """
     root = _robot(text, where)
     log = FileDiagnostics(where)
-    log.check(root, _PARTS, ("name", "version"))
+    log.count_left_out(root, _PARTS, ("name", "version"))
     materials = Materials(root, log)
     links, joints, drives = list[UrdfLink](), list[UrdfJoint](), list[Transmission]()
     controls, armatures = list[str](), dict[str, float]()
@@ -110,7 +110,7 @@ def _robot(text: bytes, where: str) -> Element:
 
 
 def _link(element: Element, materials: Materials, log: FileDiagnostics) -> UrdfLink:
-    log.check(element, ("inertial", "visual", "collision"), ("name", "type"))
+    log.count_left_out(element, ("inertial", "visual", "collision"), ("name", "type"))
     inertial = child(element, "inertial", log)
     return UrdfLink(
         name=_name(element, log),
@@ -131,13 +131,13 @@ def _name(element: Element, log: FileDiagnostics) -> str:
 def _inertial(element: Element, log: FileDiagnostics) -> Inertial:
     """Returns the inertial in the link's frame: mass and tensor are 0 if they are missing (reports
     W-URDF-INERTIAL)."""
-    log.check(element, ("origin", "mass", "inertia"))
+    log.count_left_out(element, ("origin", "mass", "inertia"))
     mass, tensor = child(element, "mass", log), child(element, "inertia", log)
     lacking = [f"<{name}>" for name, node in (("mass", mass), ("inertia", tensor)) if node is None]
     if lacking:
         log.report("W-URDF-INERTIAL", element, f"<inertial> has no {' and no '.join(lacking)}, taken as 0")
     if mass is not None:
-        log.check(mass, (), ("value",))
+        log.count_left_out(mass, (), ("value",))
     link_from_inertial = pose(element, log)
     inertial = Inertial(_required(mass, "value", log), frozen(np.zeros(3)), frozen(_tensor(tensor, log)))
     return moved(inertial, link_from_inertial)
@@ -146,7 +146,7 @@ def _inertial(element: Element, log: FileDiagnostics) -> Inertial:
 def _tensor(element: Element | None, log: FileDiagnostics) -> Array:
     xx, xy, xz, yy, yz, zz = (_required(element, name, log) for name in _MOMENTS)
     if element is not None:
-        log.check(element, (), _MOMENTS)
+        log.count_left_out(element, (), _MOMENTS)
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
@@ -164,7 +164,7 @@ def _required(element: Element | None, name: str, log: FileDiagnostics) -> float
 
 def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
     """Returns a joint; None if it has no known type (reports E-URDF-TYPE) or no link (E-URDF-JOINT)."""
-    log.check(
+    log.count_left_out(
         element,
         ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
         ("name", "type", "dont_collapse"),
@@ -181,7 +181,7 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
     limits, effort, velocity = _limit(element, joint_type, log)
     dynamics = child(element, "dynamics", log)
     if dynamics is not None:
-        log.check(dynamics, (), ("damping", "friction", *_ARMATURES))
+        log.count_left_out(dynamics, (), ("damping", "friction", *_ARMATURES))
     armatures = [_resistance(dynamics, name, log) for name in _ARMATURES]
     joint = UrdfJoint(
         name=name,
@@ -210,7 +210,7 @@ def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
     end = child(element, role, log)
     link: str = "" if end is None else end.get("link", "")
     if end is not None:
-        log.check(end, (), ("link",))
+        log.count_left_out(end, (), ("link",))
     if not link.strip():
         name = element.get("name", "")
         log.report("E-URDF-JOINT", element, f'joint "{name}" needs <{role} link="…"/>')
@@ -222,7 +222,7 @@ def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
     axis = child(element, "axis", log)
     direction = None
     if axis is not None:
-        log.check(axis, (), ("xyz",))
+        log.count_left_out(axis, (), ("xyz",))
         direction = numbers(axis, "xyz", 3, log)
     vector = np.array(direction or _DEFAULT_AXIS)
     largest = float(np.abs(vector).max())
@@ -245,7 +245,7 @@ def _limit(
     limit = child(element, "limit", log)
     if limit is None:
         return None, None, None
-    log.check(limit, (), ("lower", "upper", "effort", "velocity"))
+    log.count_left_out(limit, (), ("lower", "upper", "effort", "velocity"))
     effort, velocity = _size(limit, "effort", log), _size(limit, "velocity", log)
     lower = number(limit, "lower", log, 0.0, infinite=True) or 0.0
     upper = number(limit, "upper", log, 0.0, infinite=True) or 0.0
@@ -281,7 +281,7 @@ def _mimic(element: Element, log: FileDiagnostics) -> UrdfMimic | None:
     mimic = child(element, "mimic", log)
     if mimic is None:
         return None
-    log.check(mimic, (), ("joint", "multiplier", "offset"))
+    log.count_left_out(mimic, (), ("joint", "multiplier", "offset"))
     followed: str = mimic.get("joint", "")
     if not followed.strip():
         log.report("E-URDF-MIMIC", mimic, f'joint "{element.get("name", "")}": <mimic> needs joint="…"')

@@ -58,7 +58,7 @@ class Materials:
 
     def _define(self, element: Element) -> None:
         log = self._log
-        log.check(element, ("color", "texture"), ("name",))
+        log.count_left_out(element, ("color", "texture"), ("name",))
         colour, texture = child(element, "color", log), child(element, "texture", log)
         material = Material(
             None if colour is None else self._colour(colour),
@@ -70,7 +70,7 @@ class Materials:
             self._doubtful.add(name)
 
     def _colour(self, element: Element) -> Colour | None:
-        self._log.check(element, (), ("rgba",))
+        self._log.count_left_out(element, (), ("rgba",))
         text = (element.get("rgba") or "").replace(",", " ").split()
         channels = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._log)
         if channels is None:
@@ -90,7 +90,7 @@ def visuals(link: Element, materials: Materials, log: FileDiagnostics) -> tuple[
     shapes = []
     for element in link:
         if tag(element) == "visual":
-            log.check(element, ("origin", "geometry", "material"), ("name",))
+            log.count_left_out(element, ("origin", "geometry", "material"), ("name",))
             material = materials.of(child(element, "material", log))
             shapes += [
                 replace(shape, colour=material.colour, texture=material.texture)
@@ -105,7 +105,7 @@ def collisions(link: Element, log: FileDiagnostics) -> tuple[UrdfShape, ...]:
     for element in link:
         if tag(element) == "collision":
             # Some exporters give collisions a material, which has no meaning there.
-            log.check(element, ("origin", "geometry", "material"), ("name",))
+            log.count_left_out(element, ("origin", "geometry", "material"), ("name",))
             shapes += _shape(element, log)
     return tuple(shapes)
 
@@ -121,7 +121,7 @@ def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
         else []
     )
     if geometry is not None:
-        log.check(geometry, (*_SIZES, "mesh"), ())
+        log.count_left_out(geometry, (*_SIZES, "mesh"), ())
     if not known_shapes:
         log.report("W-URDF-SHAPE", element, f"<{tag(element)}> has no known shape: left out")
         return []
@@ -146,7 +146,7 @@ def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
 
 
 def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, float, float]]:
-    log.check(element, (), ("filename", "scale"))
+    log.count_left_out(element, (), ("filename", "scale"))
     filename = element.get("filename", "").strip()
     if not filename:
         log.report("E-URDF-MESH", element, 'a <mesh> needs filename="…"')
@@ -160,17 +160,17 @@ def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, flo
 
 
 def _box(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
-    log.check(element, (), ("size",))
+    log.count_left_out(element, (), ("size",))
     return _extents(element, log, numbers(element, "size", 3, log), "size")
 
 
 def _ball(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
-    log.check(element, (), ("radius",))
+    log.count_left_out(element, (), ("radius",))
     return _extents(element, log, numbers(element, "radius", 1, log), "radius")
 
 
 def _round(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
-    log.check(element, (), ("radius", "length"))
+    log.count_left_out(element, (), ("radius", "length"))
     radius, length = number(element, "radius", log), number(element, "length", log)
     size = None if radius is None or length is None else (radius, length)
     return _extents(element, log, size, "radius and length")

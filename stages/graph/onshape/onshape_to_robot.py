@@ -21,9 +21,9 @@ from linkwright.stages.graph.onshape.onshape_to_robot_names import (
     DOF,
     FIX,
     FRAME,
-    as_joint_mate,
+    IGNORED_MATES,
     joint_words,
-    type_between_links,
+    translated_mates,
     unprefixed_name,
     with_inverted_mates,
 )
@@ -48,46 +48,43 @@ def translate_names(
     first instance; q counts from the saved pose.
     """
     mates_by_meaning = _by_meaning(assembly, log)
-    links = _links(assembly, mates_by_meaning)
+    link_of_instance = _links_by_instance(assembly, mates_by_meaning)
     markers = _markers(assembly, mates_by_meaning, log)
     assembly = _without_instances(assembly, {marker.instance for marker in markers})
-    names = _link_names(assembly, links, mates_by_meaning[DOF])
-    first = links[_instances(assembly)[0]]
+    names = _link_names(assembly, link_of_instance, mates_by_meaning[DOF])
+    root = link_of_instance[_instances(assembly)[0]]
     if keys.root.select == "auto" and keys.root.frame is None:
-        keys = _with_values(keys, root=_with_values(keys.root, select=exact_glob(names[first])))
-        assembly = _with_fixed_root(assembly, links, first, log)
-    if keys.depth.max is None:
-        keys = _with_values(keys, depth=_with_values(keys.depth, max=0))
-    closings = [exact_glob(mate.title) for mate in mates_by_meaning[CLOSING]]
-    keys = _with_values(keys, zero="saved", loops=_with_values(keys.loops, cut=(*keys.loops.cut, *closings)))
+        keys = _with_values(keys, root=_with_values(keys.root, select=exact_glob(names[root])))
+        assembly = _with_fixed_root(assembly, link_of_instance, root, log)
+    keys = _translated_keys(keys, mates_by_meaning[CLOSING])
     log.report(
         "I-PEER",
         f"names mean what they mean in onshape-to-robot: the root is {keys.root.select}, q = 0 is the saved "
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [
-        joint for mate in mates_by_meaning[DOF] if (joint := as_joint_mate(mate, assembly, log)) is not None
-    ]
-    loop_mates = [
-        replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
-        for mate in mates_by_meaning[CLOSING]
-        if _has_both_sides(mate, assembly)
-    ]
-    welds = [replace(mate, ref=replace(mate.ref, type="FASTENED")) for mate in mates_by_meaning[FIX]]
     inverted_mates = {
         (mate.ref.owner, mate.ref.feature) for mate in mates_by_meaning[DOF] if joint_words(mate).inverted
     }
     return replace(
         assembly,
-        mates=[*joints, *loop_mates, *welds, *(mate for mate in assembly.mates if mate.ref.owner)],
+        mates=translated_mates(assembly, mates_by_meaning, log),
         relations=[with_inverted_mates(relation, inverted_mates) for relation in assembly.relations],
         connectors=[
             *(marker.connector for marker in markers),
-            *_connectors(assembly),
-            *_naming_connectors(assembly, links, names),
+            *_named_connectors(assembly),
+            *_connectors_for_unnamed_links(assembly, link_of_instance, names),
         ],
     ), keys
+
+
+def _translated_keys(keys: GraphSections, closings: Sequence[Mate]) -> GraphSections:
+    """Returns the keys that replace the conventions, except those of the root. `closings`: the `closing_`
+    mates, at which loops are cut."""
+    if keys.depth.max is None:
+        keys = _with_values(keys, depth=_with_values(keys.depth, max=0))
+    cut = (*keys.loops.cut, *(exact_glob(mate.title) for mate in closings))
+    return _with_values(keys, zero="saved", loops=_with_values(keys.loops, cut=cut))
 
 
 def _with_values(keys: AnySection, **values: object) -> AnySection:
@@ -106,36 +103,22 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
     """Returns the root assembly's mates by the meaning of their names. Reports W-PEER-MATE for ignored
     mates."""
     mates_by_meaning: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
-    origin_titles, plain_titles, inner_titles = [], [], []
+    ignored_titles: dict[str, list[str]] = {reason: [] for reason in IGNORED_MATES}
     for mate in assembly.mates:
         prefix = next(
             (known_prefix for known_prefix in mates_by_meaning if mate.ref.name.startswith(known_prefix)), ""
         )
         if mate.ref.owner:
-            inner_titles += [mate.title] if prefix in (DOF, CLOSING) else []
+            if prefix in (DOF, CLOSING):
+                ignored_titles["inner"].append(mate.title)
         elif not all(entity.path for entity in mate.entities):
-            origin_titles.append(mate.title)
+            ignored_titles["origin"].append(mate.title)
         elif prefix or mate.ref.type == "FASTENED":
             mates_by_meaning[prefix or FIX].append(mate)
         else:
-            plain_titles.append(mate.title)
-    for titles, message, hint in (
-        (
-            origin_titles,
-            "mates to the assembly's origin are ignored, as by onshape-to-robot",
-            "fix the part instead, or set root.base: fixed",
-        ),
-        (
-            plain_titles,
-            "mates without a prefix are ignored, as by onshape-to-robot",
-            "call it dof_NAME for a joint, or fix_NAME for a weld",
-        ),
-        (
-            inner_titles,
-            "mates inside a sub-assembly are ignored, as by onshape-to-robot: it is rigid",
-            "name it in depth.flexible, or set conventions: linkwright",
-        ),
-    ):
+            ignored_titles["without prefix"].append(mate.title)
+    for reason, titles in ignored_titles.items():
+        message, hint = IGNORED_MATES[reason]
         if titles:
             log.report("W-PEER-MATE", f"{message}: {name_list(titles)}", titles[0], hint)
     return mates_by_meaning
@@ -146,7 +129,9 @@ def _instances(assembly: Assembly) -> list[Path]:
     return [path for path in assembly.occurrences if len(path) == 1]
 
 
-def _links(assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]]) -> dict[Path, Path]:
+def _links_by_instance(
+    assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]]
+) -> dict[Path, Path]:
     """Returns each instance's link: the first, in the root assembly's order, of those welded with it."""
     welded = nx.Graph()
     instances = _instances(assembly)
@@ -163,10 +148,6 @@ def _links(assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]]) -
     }
 
 
-def _has_both_sides(mate: Mate, assembly: Assembly) -> bool:
-    return all(entity.path in assembly.occurrences for entity in mate.entities)
-
-
 def _sides(mate: Mate) -> tuple[Path, Path]:
     """Returns the instances of the root assembly that a mate joins."""
     first, second = (entity.path[:1] for entity in mate.entities)
@@ -176,11 +157,11 @@ def _sides(mate: Mate) -> tuple[Path, Path]:
 def _markers(
     assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]], log: Diagnostics
 ) -> list[_Marker]:
-    """Returns the frames that `frame_` mates mark: each that of an instance that nothing else holds, on its
-    carrier."""
+    """Returns the frames that `frame_` mates mark. Each is the frame of an instance that no other mate holds,
+    on the instance at the other side of its mate. Reports E-PEER-FRAME and I-PEER-MARKER."""
     held_instances = {_instances(assembly)[0]}
     held_instances.update(
-        side for kind in (DOF, FIX) for mate in mates_by_meaning[kind] for side in _sides(mate)
+        side for prefix in (DOF, FIX) for mate in mates_by_meaning[prefix] for side in _sides(mate)
     )
     held_instances.update(
         path[:1] for group in assembly.groups for path in group.members if len(group.members) > 1
@@ -202,9 +183,10 @@ def _markers(
             marker.path
         )
         entity = Entity(carrier.path, frozen(carrier_from_marker))
-        markers.append(
-            _Marker(Connector((), mate.ref.feature, unprefixed_name(mate), (), entity), marker.path[:1])
+        connector = Connector(
+            owner=(), feature=mate.ref.feature, name=unprefixed_name(mate), names=(), entity=entity
         )
+        markers.append(_Marker(connector, marker.path[:1]))
     if markers:
         titles = name_list(assembly.occurrences[frame_marker.instance].title for frame_marker in markers)
         message = f"instances that only mark frames are left out: {titles}"
@@ -237,13 +219,15 @@ def _without_instances(assembly: Assembly, removed_instances: Collection[Path]) 
     )
 
 
-def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence[Mate]) -> dict[Path, str]:
+def _link_names(
+    assembly: Assembly, link_of_instance: Mapping[Path, Path], joints: Sequence[Mate]
+) -> dict[Path, str]:
     """Returns the name of each link: by its `link_` connector, else after its first instance, numbered in the
     order of the joints from the root."""
-    connector_names = _link_titles(assembly, links)
-    neighbours: dict[Path, list[Path]] = {links[path]: [] for path in _instances(assembly)}
+    connector_names = _names_from_connectors(assembly, link_of_instance)
+    neighbours: dict[Path, list[Path]] = {link_of_instance[path]: [] for path in _instances(assembly)}
     for mate in joints:
-        first, second = (links[side] for side in _sides(mate))
+        first, second = (link_of_instance[side] for side in _sides(mate))
         neighbours[first].append(second)
         neighbours[second].append(first)
     # Names are unique over joints and links here, and joints, which others refer to, keep theirs.
@@ -266,10 +250,11 @@ def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence
     return names
 
 
-def _link_titles(assembly: Assembly, links: Mapping[Path, Path]) -> dict[Path, str]:
-    """Returns the names that `link_` connectors give to links."""
+def _names_from_connectors(assembly: Assembly, link_of_instance: Mapping[Path, Path]) -> dict[Path, str]:
+    """Returns the names that `link_` connectors give to links. The first connector of a link in the order of
+    names wins, since later entries of a dict replace earlier ones."""
     return {
-        links[connector.entity.path[:1]]: legal(connector.name[len(LINK_PREFIX) :])
+        link_of_instance[connector.entity.path[:1]]: legal(connector.name[len(LINK_PREFIX) :])
         for connector in sorted(
             assembly.connectors, key=lambda connector: (connector.name, connector.feature), reverse=True
         )
@@ -277,18 +262,20 @@ def _link_titles(assembly: Assembly, links: Mapping[Path, Path]) -> dict[Path, s
     }
 
 
-def _naming_connectors(
-    assembly: Assembly, links: Mapping[Path, Path], names: Mapping[Path, str]
+def _connectors_for_unnamed_links(
+    assembly: Assembly, link_of_instance: Mapping[Path, Path], names: Mapping[Path, str]
 ) -> Iterator[Connector]:
     """Yields connectors that name the links without a `link_` connector."""
-    named_links = set(_link_titles(assembly, links))
+    named_links = set(_names_from_connectors(assembly, link_of_instance))
     for link, name in names.items():
         if link not in named_links:
-            part = min(part.path for part in assembly.parts if part.path[:1] == link)
-            yield Connector((), name, LINK_PREFIX + name, (), Entity(part, frozen(np.eye(4))))
+            part_path = min(part.path for part in assembly.parts if part.path[:1] == link)
+            entity = Entity(part_path, frozen(np.eye(4)))
+            # It is not in CAD, so its name serves as the id of its feature.
+            yield Connector(owner=(), feature=name, name=LINK_PREFIX + name, names=(), entity=entity)
 
 
-def _connectors(assembly: Assembly) -> Iterator[Connector]:
+def _named_connectors(assembly: Assembly) -> Iterator[Connector]:
     """Yields the root assembly's connectors that name links or mark frames."""
     for connector in assembly.connectors:
         if connector.owner or not connector.entity.path:
@@ -300,13 +287,13 @@ def _connectors(assembly: Assembly) -> Iterator[Connector]:
 
 
 def _with_fixed_root(
-    assembly: Assembly, links: Mapping[Path, Path], root: Path, log: Diagnostics
+    assembly: Assembly, link_of_instance: Mapping[Path, Path], root: Path, log: Diagnostics
 ) -> Assembly:
-    """Returns the assembly in which only the root link is fixed (W-PEER-FIXED for others)."""
+    """Returns the assembly without fixed instances outside the root link. Reports W-PEER-FIXED for them."""
     fixed_instances = {
         path: replace(occurrence, fixed=False)
         for path, occurrence in assembly.occurrences.items()
-        if occurrence.fixed and links[path[:1]] != root
+        if occurrence.fixed and link_of_instance[path[:1]] != root
     }
     if fixed_instances:
         titles = name_list(occurrence.title for occurrence in fixed_instances.values())

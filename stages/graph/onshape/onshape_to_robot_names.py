@@ -1,6 +1,6 @@
-"""Reads a mate's name as onshape-to-robot does: the joint's name, direction and limits."""
+"""Reads mates' names as onshape-to-robot does: joints with their directions and limits, loops and welds."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -14,6 +14,22 @@ from linkwright.stages.robot.text.names import legal
 
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 """Prefixes of names: joints, closed loops, frames, and welds."""
+
+IGNORED_MATES: Mapping[str, tuple[str, str]] = {
+    "origin": (
+        "mates to the assembly's origin are ignored, as by onshape-to-robot",
+        "fix the part instead, or set root.base: fixed",
+    ),
+    "without prefix": (
+        "mates without a prefix are ignored, as by onshape-to-robot",
+        "call it dof_NAME for a joint, or fix_NAME for a weld",
+    ),
+    "inner": (
+        "mates inside a sub-assembly are ignored, as by onshape-to-robot: it is rigid",
+        "name it in depth.flexible, or set conventions: linkwright",
+    ),
+}
+"""Reason why mates are ignored → message and hint of its W-PEER-MATE, in the order of the reports."""
 
 INVERTING_WORDS = frozenset({"inv", "inverted"})
 """Words at the end of a joint's name that invert its direction."""
@@ -53,6 +69,21 @@ def joint_words(mate: Mate) -> JointWords:
     words = unprefixed_name(mate).split("_")
     inverted = words[-1] in INVERTING_WORDS
     return JointWords(words[:-1] if inverted else words, inverted)
+
+
+def translated_mates(
+    assembly: Assembly, mates_by_meaning: Mapping[str, Sequence[Mate]], log: Diagnostics
+) -> list[Mate]:
+    """Returns the mates of joints, of loops and of welds, and those inside sub-assemblies."""
+    joints = [as_joint_mate(mate, assembly, log) for mate in mates_by_meaning[DOF]]
+    loop_mates = [
+        replace(mate, ref=replace(mate.ref, type=type_between_links(mate)))
+        for mate in mates_by_meaning[CLOSING]
+        if all(entity.path in assembly.occurrences for entity in mate.entities)
+    ]
+    welds = [replace(mate, ref=replace(mate.ref, type="FASTENED")) for mate in mates_by_meaning[FIX]]
+    inner_mates = [mate for mate in assembly.mates if mate.ref.owner]
+    return [*(mate for mate in joints if mate is not None), *loop_mates, *welds, *inner_mates]
 
 
 def type_between_links(mate: Mate) -> str:

@@ -23,7 +23,7 @@ from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Gues
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_BOUNDS = Bounds(seconds=600, memory=8 << 30, reply=1 << 30, shared=4)
+_BOUNDS = Bounds(seconds=600, memory=8 << 30, reply=1 << 30, wall_time_factor=4)
 
 FittedEnd = tuple[list[Chunk], End]
 """Pieces of a link that meets the world, and how near they are to the link."""

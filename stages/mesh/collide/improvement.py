@@ -19,7 +19,7 @@ from linkwright.stages.robot.system.guest import ONE_THREAD, Bounds, Ended, Gues
 
 TASKS = "linkwright.stages.mesh.collide.task_guest"
 
-BOUNDS = Bounds(seconds=120, memory=4 << 30, reply=64 << 20, shared=4)
+BOUNDS = Bounds(seconds=120, memory=4 << 30, reply=64 << 20, wall_time_factor=4)
 """Limits for a single part. The time is processor time: with wall-clock time, the load of the machine would
 decide whether a part gets pieces."""
 

@@ -16,7 +16,7 @@ from linkwright.stages.mesh.contacts.by_source import source_excludes
 from linkwright.stages.mesh.contacts.narrow import Mask, excluded_shape_pairs
 from linkwright.stages.mesh.motion_digest import motion_digest
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.contact.exclude_names import Names, excluded_colliders
+from linkwright.stages.robot.contact.exclude_names import ColliderNames, excluded_colliders
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
 from linkwright.stages.robot.model.robot import Array, Configuration, Robot
@@ -203,7 +203,9 @@ _WHERE = "contact"
 
 
 def contact_reports(
-    always: Sequence[tuple[Exclude, tuple[Names, Names] | None]], free: Sequence[Touch], poses: int
+    always: Sequence[tuple[Exclude, tuple[ColliderNames, ColliderNames] | None]],
+    free: Sequence[Touch],
+    poses: int,
 ) -> Iterator[Diagnostic]:
     """Yields I-ALWAYS-CONTACT with the pairs that touch in each of the `poses`, and the names of the
     colliders that are left out if these are not all; and W-SELF-CONTACT with the pairs that touch at `home`,
@@ -231,7 +233,7 @@ def _described_pair(pair: Exclude | Touch) -> str:
     return f"{pair.link_a} and {pair.link_b} ({1e3 * pair.depth:.2f} mm deep)"
 
 
-def _left_out_names(names: tuple[Names, Names] | None) -> str:
+def _left_out_names(names: tuple[ColliderNames, ColliderNames] | None) -> str:
     """Returns in words the parts of a pair that do not collide; "" if it is all of them."""
     if names is None:
         return ""

@@ -39,7 +39,7 @@ def spheres(outline: Outline, closed: bool, tolerance: float, max_spheres: int) 
     centres, radii = surface_spots, np.zeros(len(surface_spots))
     if closed:
         centres, radii = _inner_balls(outline, surface_spots, outline.normals[owners])
-    surface = np.concatenate([outline.tree.data, outline.faces.reshape(-1, 3)])
+    surface = np.concatenate([outline.tree.data, outline.triangles.reshape(-1, 3)])
     points = surface[_spread_indices(surface, outline, _TARGET_POINTS)]
     distances = scipy.spatial.distance.cdist(points, centres) - radii
     reach = _PROTRUSION_SHARE * tolerance
@@ -54,7 +54,7 @@ def _surface_spots(outline: Outline) -> tuple[Points, npt.NDArray[np.int64]]:
     """Returns points spread about evenly over the surface, and the triangle of each."""
     points = np.asarray(outline.tree.data)
     indices = _spread_indices(points, outline, _TARGET_CENTRES)
-    return points[indices], outline.sample_faces[indices]
+    return points[indices], outline.sample_triangles[indices]
 
 
 def _spread_indices(points: Points, outline: Outline, count: int) -> npt.NDArray[np.int64]:

@@ -89,8 +89,8 @@ def silhouettes(outline: Outline) -> list[Silhouette]:
     result = []
     for axis in directions(outline):
         u, v = axes_across(axis)
-        projected = np.stack([outline.corners @ u, outline.corners @ v], axis=1)
-        heights = outline.corners @ axis
+        projected = np.stack([outline.hull_vertices @ u, outline.hull_vertices @ v], axis=1)
+        heights = outline.hull_vertices @ axis
         try:
             ring = projected[scipy.spatial.ConvexHull(projected).vertices]
         except scipy.spatial.QhullError:
@@ -104,7 +104,7 @@ def frames(outline: Outline, part_silhouettes: Sequence[Silhouette]) -> list[npt
     the smallest of the boxes along the coordinate axes and along the silhouettes."""
     rotations = [np.eye(3), *(_smallest_box(silhouette) for silhouette in part_silhouettes)]
     # Of equal boxes only the first is kept.
-    volumes = [float(np.prod(np.ptp(outline.corners @ frame, axis=0))) for frame in rotations]
+    volumes = [float(np.prod(np.ptp(outline.hull_vertices @ frame, axis=0))) for frame in rotations]
     ranks = np.round(np.log(volumes) / _EQUAL_SHARE)
     _, first = np.unique(ranks, return_index=True)
     return [rotations[index] for index in first[:_MAX_BOXES]]

@@ -145,7 +145,7 @@ def _boxes(subject: FitSubject) -> Iterator[Primitive]:
 def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = False) -> Primitive:
     """Returns the smallest box around a part with the axes of `frame` (3, 3). `balanced`: the box protrudes
     from the part as far as it leaves the part bare."""
-    coordinates = outline.corners @ frame
+    coordinates = outline.hull_vertices @ frame
     low, high = coordinates.min(axis=0), coordinates.max(axis=0)
     if balanced:
         ends = [_balanced_ends(outline, frame[:, axis], low[axis], high[axis]) for axis in range(3)]
@@ -217,7 +217,7 @@ def _circle_by_normals(
 def _cylinders(subject: FitSubject) -> Iterator[Primitive]:
     """Yields two cylinders for each circle: one around the part, and a smaller cylinder."""
     for circle in subject.revolution_circles:
-        heights = subject.outline.corners @ circle.axis
+        heights = subject.outline.hull_vertices @ circle.axis
         low, high = float(heights.min()), float(heights.max())
         yield _solid_of_revolution("cylinder", circle, circle.radius, low, high)
         low, high = _balanced_ends(subject.outline, circle.axis, low, high)
@@ -227,7 +227,7 @@ def _cylinders(subject: FitSubject) -> Iterator[Primitive]:
 def _capsules(subject: FitSubject) -> Iterator[Primitive]:
     """Yields two capsules for each circle: one around the part, and a thinner capsule of the same length."""
     for circle in subject.revolution_circles:
-        offsets = subject.outline.corners - circle.centre
+        offsets = subject.outline.hull_vertices - circle.centre
         heights = offsets @ circle.axis
         axis_distances = np.linalg.norm(offsets - np.outer(heights, circle.axis), axis=1)
         # Each vertex may be at most `radius` from the segment between the centres of the caps.
@@ -244,7 +244,7 @@ def _capsules(subject: FitSubject) -> Iterator[Primitive]:
 def _spheres(subject: FitSubject) -> Iterator[Primitive]:
     """Yields two spheres for each centre: one around the part, and a smaller sphere. The centres are that of
     the smallest ball, and that of the surface's normals, if they have a common centre."""
-    corners = subject.outline.corners
+    corners = subject.outline.hull_vertices
     ball_centre, ball_radius = smallest_ball(corners)
     normal_centre = levels.revolution_centre(subject.outline, None, ball_centre, ball_radius)
     for centre in [ball_centre] if normal_centre is None else [ball_centre, normal_centre]:

@@ -50,7 +50,7 @@ def _sample_pose(primitive: Primitive, outline: Outline) -> Array:
     pose = primitive.link_from_shape
     if primitive.kind == "box":
         return pose
-    from_centre = outline.corners - pose[:3, 3]
+    from_centre = outline.hull_vertices - pose[:3, 3]
     axis = pose[:3, 2]
     if primitive.kind == "sphere":
         axis = from_centre[_farthest(from_centre, outline)]
@@ -67,7 +67,7 @@ def _farthest(vectors: Points, outline: Outline) -> int:
     squares = (vectors**2).sum(axis=1)
     longest = squares >= squares.max() * (1 - 1e-6)
     middle = np.average(outline.centroids, axis=0, weights=outline.areas)
-    return int(np.where(longest, ((outline.corners - middle) ** 2).sum(axis=1), -1.0).argmax())
+    return int(np.where(longest, ((outline.hull_vertices - middle) ** 2).sum(axis=1), -1.0).argmax())
 
 
 def _points(primitive: Primitive, along: int, around: int) -> tuple[Points, Floats]:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from linkwright.stages.robot.model.geometry import ColliderFigures, Exclude, Shape
 from linkwright.stages.robot.text.plural import count
 
-Names = tuple[str, ...]
+ColliderNames = tuple[str, ...]
 
 
 def excluded_colliders(
     exclude: Exclude, shapes: Sequence[Shape], figures: Sequence[ColliderFigures]
-) -> tuple[Names, Names] | None:
+) -> tuple[ColliderNames, ColliderNames] | None:
     """Names the colliders of `link_a` and of `link_b` that do not collide; None if no collider of the two
     links collides with the other link.
 
@@ -19,22 +19,34 @@ def excluded_colliders(
     """
     if not exclude.geoms:
         return None
-    of_a, of_b = ({pair[side] for pair in exclude.geoms} for side in (0, 1))
-    return _names(exclude.link_a, of_a, shapes, figures), _names(exclude.link_b, of_b, shapes, figures)
+    positions_a, positions_b = ({pair[side] for pair in exclude.geoms} for side in (0, 1))
+    return (
+        _names(exclude.link_a, positions_a, shapes, figures),
+        _names(exclude.link_b, positions_b, shapes, figures),
+    )
 
 
-def _names(link: str, meant: set[int], shapes: Sequence[Shape], figures: Sequence[ColliderFigures]) -> Names:
+def _names(
+    link: str, positions: set[int], shapes: Sequence[Shape], figures: Sequence[ColliderFigures]
+) -> ColliderNames:
+    """Names the colliders at some positions among all colliders of a link."""
     colliders = [shape for shape in shapes if shape.link == link and shape.role == "collision"]
-    of_link = [collider_figures for collider_figures in figures if collider_figures.link == link]
-    names: dict[str, None] = {}
-    for position in sorted(meant):
+    figures_of_link = [collider_figures for collider_figures in figures if collider_figures.link == link]
+    names: list[str] = []
+    for position in sorted(positions):
         shape = colliders[position]
-        if shape.collider is not None and shape.collider < len(of_link):
-            pieces = [index for index, other in enumerate(colliders) if other.collider == shape.collider]
-            some = len(meant.intersection(pieces))
-            share = "" if some == len(pieces) else f" ({some} of {count(len(pieces), 'piece')})"
-            names[f"{', '.join(of_link[shape.collider].parts)}{share}"] = None
+        # Only figures name the parts of a collider.
+        if shape.collider is not None and shape.collider < len(figures_of_link):
+            pieces = {index for index, piece in enumerate(colliders) if piece.collider == shape.collider}
+            parts = figures_of_link[shape.collider].parts
+            names.append(_part_collider_name(parts, len(positions & pieces), len(pieces)))
         else:
             kind = "mesh" if shape.primitive is None else shape.primitive.kind
-            names[f"{kind} {position}"] = None
-    return tuple(names)
+            names.append(f"{kind} {position}")
+    # Pieces of a collider share its name.
+    return tuple(dict.fromkeys(names))
+
+
+def _part_collider_name(parts: Sequence[str], meant_count: int, piece_count: int) -> str:
+    share = "" if meant_count == piece_count else f" ({meant_count} of {count(piece_count, 'piece')})"
+    return f"{', '.join(parts)}{share}"

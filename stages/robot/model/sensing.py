@@ -23,7 +23,8 @@ class Sensor:
     target: SensorTarget = ""
     """Kind of the object that it measures."""
     name_of_target: str = ""
-    """Name of that object: a dof, an actuator, a frame or a link."""
+    """Name of that object: a dof, an actuator, a link, a frame, a place in `Sensing.sites` or a
+    camera."""
     relative_to: SensorTarget = ""
     """Kind of a second object, for a frame's sensor in another frame or in a camera's image."""
     name_of_relative: str = ""
@@ -33,9 +34,9 @@ class Sensor:
     cutoff: float = 0.0
     """Largest value, in the unit of the sensor; 0 for none."""
     shape: ZoneShape = ""
-    """As in `SensorSite`, for a sensor of the source."""
+    """Zone in which contact is felt, of a sensor of an MJCF source; as in `SensorSite`."""
     size: tuple[float, ...] = ()
-    """As in `SensorSite`, for a sensor of the source."""
+    """Size of that zone [m], as in `SensorSite`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

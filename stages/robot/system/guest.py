@@ -2,8 +2,8 @@
 
 A guest is a module with a function `answer(request: bytes) -> bytes`. Its process runs in Python's isolated
 mode with the libraries of this process, only the environment variables that it is given, no terminal, and no
-input but its requests; a crash does not affect this process. The guest and its children are ended where they
-exceed a limit of time or memory, and where this process is interrupted or ends.
+input but its requests; a crash does not affect this process. The guest and its children are ended when they
+exceed a limit of time or memory, and when this process is interrupted or ends.
 """
 
 from __future__ import annotations
@@ -29,30 +29,32 @@ _MAIN = Path(__file__).with_name("guestmain.py")
 _PACKAGE = str(Path(__file__).parents[3])
 """The folder that holds `stages`."""
 
-_OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
+_LOADER_VARIABLES = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 """Variables without which Python may not start; a guest does not see them."""
 
-_OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
+_WINDOWS_VARIABLES = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
 
 _ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
-_KINDS = (b"R", b"E")
+_REPLY_KINDS = (b"R", b"E")
 """First byte of a reply, and of an error."""
 
-_HEADER = 9
+_HEADER_SIZE = 9
 """Number of bytes before a reply: its kind and its length."""
 
 _CHECK_INTERVAL = 0.05
 """The interval of checks of a guest's time and memory [s]."""
 
 _PS_CHECK_INTERVAL = 0.5
+"""The same interval where each check starts the program `ps` [s]."""
+
 _PATIENCE = 5.0
-"""Longest time that a guest may take to end after its reply [s]."""
+"""Longest time [s] that a guest may take to end, and by which its own timer outlasts our limit."""
 
 _MAX_KEPT_MEMORY = 0.25
 """Largest share of the memory limit that a process may use after a reply; above it, it is not used again."""
 
 _MAX_LINE_LENGTH = 200
-
+_MAX_TEXT_LENGTH = 2000
 
 ONE_THREAD = dict.fromkeys(
     (
@@ -73,22 +75,21 @@ class Bounds:
     """Limits of a guest: time [s], resident memory and the length of its reply [bytes].
 
     The time is that of the wall clock. For a guest that only computes it is processor time instead, with
-    `shared` times as much wall time, so that a busy machine gives the same results. Where a system does not
-    show the memory of a process (Windows), time alone is bounded.
+    `wall_time_factor` times as much wall time, so that a busy machine gives the same results. If a system
+    does not show the memory of a process (Windows), time alone is bounded.
     """
 
     seconds: float
     memory: int
     reply: int
-    shared: float = 1.0
+    wall_time_factor: float = 1.0
 
 
 class Ended(Exception):
-    """A guest ended without a reply; the text completes a sentence that begins with its name: "took longer
-    than 60 s"."""
+    """A guest ended without a reply; the text follows its name in a sentence: "took longer than 60 s"."""
 
 
-class _Broken(Ended):
+class _BrokenProcess(Ended):
     """An end of a guest that an earlier request may have caused."""
 
 
@@ -96,32 +97,28 @@ class Guest:
     """A process that answers request after request, of one thread at a time.
 
     It starts with the first request, and again after each that it does not survive; its owner closes it. It
-    also ends where another thread sets `halt`.
+    also ends when another thread sets `halt`.
     """
 
     def __init__(
-        self,
-        module: str,
-        bounds: Bounds,
-        environ: Mapping[str, str],
-        halt: threading.Event | None = None,
+        self, module: str, bounds: Bounds, environ: Mapping[str, str], halt: threading.Event | None = None
     ) -> None:
         self._module, self._bounds, self._halt = module, bounds, halt
-        self._environ = {**_taken(_OF_WINDOWS), **environ}
+        self._environ = {**_own_variables(_WINDOWS_VARIABLES), **environ}
         self._process: _Process | None = None
 
     def ask(self, request: bytes) -> bytes:
         """Returns the reply of `module` to `request`, in a process with the variables `environ` and, on
         Windows, the few that the system needs.
 
-        Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
-        that another thread sets `halt`.
+        Raises the guest's own SourceError or ConfigError, and Ended if there is no complete reply, also
+        because another thread sets `halt`.
         """
-        reused = self._process is not None
+        is_reused = self._process is not None
         try:
             return self._answer(request)
-        except _Broken:
-            if not reused:
+        except _BrokenProcess:
+            if not is_reused:
                 raise
         # An earlier request may have broken the process: each has the same result whatever came before it.
         return self._answer(request)
@@ -168,7 +165,7 @@ class _Process:
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-X", "utf8", str(_MAIN)],
-                env={**_taken(_OF_THE_LOADER), **environ},
+                env={**_own_variables(_LOADER_VARIABLES), **environ},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
@@ -176,40 +173,40 @@ class _Process:
                 start_new_session=True,
             )
         except OSError as error:
-            msg = f"could not be started ({error.strerror or type(error).__name__})"
-            raise Ended(msg) from None
+            raise Ended(f"could not be started ({error.strerror or type(error).__name__})") from None
         head = {
             "module": module,
             "package": _PACKAGE,
             "path": _libraries(),
-            "seconds": bounds.shared * bounds.seconds + _PATIENCE,
+            "seconds": bounds.wall_time_factor * bounds.seconds + _PATIENCE,
             "parent": os.getpid(),
             "environ": sorted(environ),
         }
         self._requests.put(json.dumps(head).encode() + b"\n")
-        self._thread(self._send)
-        self._thread(self._read_output)
-        self._errors = self._thread(self._read_errors)
+        self._start_thread(self._send)
+        self._start_thread(self._read_output)
+        self._error_reader = self._start_thread(self._read_errors)
 
     def reply(self, request: bytes, halt: threading.Event | None) -> bytes:
+        """Returns the guest's reply. Raises its own error, and Ended if there is no complete reply."""
         if self._output:
-            raise _Broken("replied before it was asked")
+            raise _BrokenProcess("replied before it was asked")
         started, computed_before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
         self._requests.put(len(request).to_bytes(8, "big") + request)
-        look = _CHECK_INTERVAL if process_usage.is_quick() else _PS_CHECK_INTERVAL
-        while not self._replied.wait(look):
+        interval = _CHECK_INTERVAL if process_usage.is_quick() else _PS_CHECK_INTERVAL
+        while not self._replied.wait(interval):
             if halt is not None and halt.is_set():
                 raise Ended("was interrupted")
-            if self._spent(time.monotonic() - started, computed_before) > self._bounds.seconds:
+            if self._counted_time(time.monotonic() - started, computed_before) > self._bounds.seconds:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
             if self.resident() > self._bounds.memory:
-                raise _Broken(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
-        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEADER], "big")
-        body = bytes(self._output[_HEADER:])
+                raise _BrokenProcess(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
+        kind, length = bytes(self._output[:1]), int.from_bytes(self._output[1:_HEADER_SIZE], "big")
+        body = bytes(self._output[_HEADER_SIZE:])
         if len(body) > self._bounds.reply:
             raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
-        if kind not in _KINDS or len(body) != length:
-            raise _Broken(self._how_it_ended())
+        if kind not in _REPLY_KINDS or len(body) != length:
+            raise _BrokenProcess(self._explain_end())
         if kind == b"E":
             raise _error(body)
         self._replied.clear()
@@ -221,15 +218,16 @@ class _Process:
         """Returns the resident memory of the process [bytes]."""
         return process_usage.resident(self._process.pid)
 
-    def _spent(self, passed: float, computed_before: float) -> float:
+    def _counted_time(self, passed: float, computed_before: float) -> float:
         """Returns the time [s] that counts of the wall time `passed`; `computed_before`: the processor time
         at its beginning."""
-        if self._bounds.shared == 1.0:
+        if self._bounds.wall_time_factor == 1.0:
             return passed
         computed = process_usage.computed(self._process.pid, computed_before + passed) - computed_before
-        return max(passed / self._bounds.shared, min(computed, passed))
+        return max(passed / self._bounds.wall_time_factor, min(computed, passed))
 
     def end(self) -> None:
+        """Kills the process with all that it started, and waits for its end."""
         self._requests.put(b"")
         with contextlib.suppress(OSError):
             if hasattr(os, "killpg"):
@@ -238,8 +236,8 @@ class _Process:
                 self._process.kill()
         self._process.wait()
 
-    def _thread(self, work: Callable[..., None], *arguments: object) -> threading.Thread:
-        thread = threading.Thread(target=work, args=arguments, name="guest", daemon=True)
+    def _start_thread(self, work: Callable[[], None]) -> threading.Thread:
+        thread = threading.Thread(target=work, name="guest", daemon=True)
         thread.start()
         return thread
 
@@ -252,17 +250,18 @@ class _Process:
 
     def _read_output(self) -> None:
         with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
-            while len(self._output) <= self._bounds.reply + _HEADER and (piece := stream.read(1 << 20)):
+            max_size = self._bounds.reply + _HEADER_SIZE
+            while len(self._output) <= max_size and (piece := stream.read(1 << 20)):
                 self._output += piece
-                if self._complete():
+                if self._is_complete():
                     self._replied.set()
         self._replied.set()
 
-    def _complete(self) -> bool:
-        """Returns whether the output holds a whole reply, or does not begin as a reply."""
-        if self._output[:1] not in _KINDS:
+    def _is_complete(self) -> bool:
+        """Tells whether the output holds a whole reply, or does not begin as a reply."""
+        if self._output[:1] not in _REPLY_KINDS:
             return True
-        return len(self._output) >= _HEADER + int.from_bytes(self._output[1:_HEADER], "big")
+        return len(self._output) >= _HEADER_SIZE + int.from_bytes(self._output[1:_HEADER_SIZE], "big")
 
     def _read_errors(self) -> None:
         """Keeps the end of the guest's other output."""
@@ -270,13 +269,15 @@ class _Process:
             while piece := stream.read(1 << 16):
                 self._error_output[:] = (self._error_output + piece)[-4096:]
 
-    def _how_it_ended(self) -> str:
+    def _explain_end(self) -> str:
+        """Ends the input, waits for the end of the process, and returns how it ended, in words."""
         self._requests.put(b"")
-        self._errors.join(_PATIENCE)
+        self._error_reader.join(_PATIENCE)
         try:
             status = self._process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
             return "gave no reply"
+        # `pipeline.checking.guest` bounds its processor time by ITIMER_PROF, which sends SIGPROF.
         if -status == getattr(signal, "SIGPROF", 0):
             return "used more processor time than the sizes of its files explain"
         if status < 0:
@@ -291,7 +292,7 @@ def _stream(pipe: IO[bytes] | None) -> IO[bytes]:
     return pipe
 
 
-def _taken(names: Iterable[str]) -> dict[str, str]:
+def _own_variables(names: Iterable[str]) -> dict[str, str]:
     """Returns the variables of this process with these names."""
     return {name: os.environ[name] for name in names if name in os.environ}
 
@@ -304,11 +305,11 @@ def _libraries() -> list[str]:
 
 
 def _error(body: bytes) -> LinkwrightError:
-    """Returns the error that a guest reports; Ended where it is not a valid one."""
+    """Returns the error that a guest reports. Raises Ended if the report is invalid."""
     try:
         fields = json.loads(body)
         kind = _ERRORS[fields["kind"]]
-        message, where, hint = (str(fields[name])[:2000] for name in ("message", "where", "hint"))
+        message, where, hint = (str(fields[name])[:_MAX_TEXT_LENGTH] for name in ("message", "where", "hint"))
     except (ValueError, KeyError, TypeError, RecursionError):
         raise Ended("reported an invalid error") from None
     return kind(message, where, hint)

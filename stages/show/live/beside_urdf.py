@@ -10,15 +10,15 @@ from linkwright.stages.robot.model.robot import Array, Loop, Robot
 from linkwright.stages.robot.motion.start_pose import keyframes as named_poses
 from linkwright.stages.show.live.rounding import rounded, rounded_list
 
-_POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
+_LEVERS_OF_POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
 """Type of loop → the points of its axis that stay together, at these multiples of the loop's lever [m]."""
 
 
-def with_poses(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
-    """Adds the robot's keyframes, relations and loops to the header of a URDF. Loops with a slide are left
-    out, and stay open: no points of theirs stay together."""
+def with_poses_and_constraints(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
+    """Returns the `header` of a URDF, as `scene._head` makes it, with the robot's keyframes, relations and
+    loops. Loops with a slide are left out, and stay open: no points of theirs stay together."""
     bodies = {body["name"]: index for index, body in enumerate(header["bodies"])}
-    loops = [entry for loop in robot.loops for entry in _loop(loop, bodies)]
+    loops = [entry for loop in robot.loops for entry in _loop_entries(loop, bodies)]
     return {
         **header,
         "keyframes": _keyframes(header, robot),
@@ -33,6 +33,7 @@ def _keyframes(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
         qpos = list(header["qpos0"])
         for joint in header["joints"]:
             value = values.get(joint["name"])
+            # Only hinges and slides have a unit, and a single value.
             if joint["unit"] and isinstance(value, int | float):
                 qpos[joint["qpos"]] = rounded(value)
         entries.append({"name": name, "qpos": qpos, "ctrl": [], "act": []})
@@ -53,29 +54,34 @@ def _relations(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
     return entries
 
 
-def _loop(loop: Loop, bodies: Mapping[str, int]) -> list[dict[str, Any]]:
+def _loop_entries(loop: Loop, bodies: Mapping[str, int]) -> list[dict[str, Any]]:
     if loop.link_a not in bodies or loop.link_b not in bodies:
         return []
     ends = [bodies[loop.link_a], bodies[loop.link_b]]
     frames = loop.a_from_frame, loop.b_from_frame
     if loop.type == "fixed":
-        return [_entry(loop.name, "weld", ends, frames)]
+        return [_equality_entry(loop.name, "weld", ends, frames)]
+    # The first dof of a revolute loop is its turn; a ball's point is on every axis.
     axis = loop.dofs[0].axis if loop.dofs else np.zeros(3)
     return [
-        _entry(
-            loop.name, "connect", ends, tuple(_shifted(frame, share * loop.lever * axis) for frame in frames)
+        _equality_entry(
+            loop.name,
+            "connect",
+            ends,
+            tuple(_shifted(frame, lever_count * loop.lever * axis) for frame in frames),
         )
-        for share in _POINTS.get(loop.type, ())
+        for lever_count in _LEVERS_OF_POINTS.get(loop.type, ())
     ]
 
 
 def _shifted(frame: Array, shift: Array) -> Array:
+    """Returns a pose (4, 4) moved by `shift` (3,) [m] along its own axes."""
     shifted_frame = frame.copy()
     shifted_frame[:3, 3] += frame[:3, :3] @ shift
     return shifted_frame
 
 
-def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -> dict[str, Any]:
+def _equality_entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -> dict[str, Any]:
     first, second = (
         {"pos": rounded_list(frame[:3, 3]), "quat": rounded_list(_quaternion(frame[:3, :3]))}
         for frame in frames
@@ -84,6 +90,7 @@ def _entry(name: str, kind: str, bodies: list[int], frames: tuple[Array, ...]) -
 
 
 def _quaternion(rotation: Array) -> Array:
+    """Returns MuJoCo's quaternion (4,), w first, of a rotation (3, 3)."""
     quat: Array = np.zeros(4)
     mujoco.mju_mat2Quat(quat, np.ascontiguousarray(rotation).ravel())
     return quat

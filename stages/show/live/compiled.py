@@ -66,8 +66,8 @@ def _model_of_urdf(folder: Path, source: str) -> Any:
         return compiled_file(folder / source)
     paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
-    text, meshes = urdf_text(source, files)
-    return compiled_text(text, meshes)
+    model = urdf_text(source, files)
+    return compiled_text(model.text, model.files)
 
 
 def _data_at_home(model: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.show.live.actuators import actuators
-from linkwright.stages.show.live.beside_urdf import with_poses
+from linkwright.stages.show.live.beside_urdf import with_poses_and_constraints
 from linkwright.stages.show.live.compiled import LiveModel, compile_live
 from linkwright.stages.show.live.engine.copy import EngineCopy, NoCopy, engine_copy
 from linkwright.stages.show.live.geoms import geoms
@@ -36,7 +36,7 @@ def pack_of(
     live = compile_live(folder, source)
     head = _head(live, robot, links(robot, colliders))
     if live.document is None:
-        head = with_poses(head, robot)
+        head = with_poses_and_constraints(head, robot)
     engine = _engine(live, folder)
     if len(_pack_with(live, head, engine, 0)) > MAX_BYTES // 2:  # without triangles
         engine = NoCopy("the colliders are too large for a page")

@@ -19,10 +19,10 @@ GUESTS: Mapping[Kind, str] = {
 }
 """Kind of preview → the module of the guest that draws it."""
 
-BOUNDS = Bounds(seconds=60, memory=6 << 30, reply=64 << 20, shared=3)
+BOUNDS = Bounds(seconds=60, memory=6 << 30, reply=64 << 20, wall_time_factor=3)
 """Limits of a picture; its time is the processor's."""
 
-TURN_BOUNDS = Bounds(seconds=180, memory=6 << 30, reply=64 << 20, shared=2)
+TURN_BOUNDS = Bounds(seconds=180, memory=6 << 30, reply=64 << 20, wall_time_factor=2)
 
 _ENVIRON = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment of the guest: a single thread, since several threads would sum in another order."""

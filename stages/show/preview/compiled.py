@@ -23,7 +23,7 @@ from linkwright.stages.show.preview.look import (
     Solid,
     Vector,
 )
-from linkwright.stages.show.preview.model_text import Mesh, mjcf_text, urdf_text
+from linkwright.stages.show.preview.model_text import ScaledStl, mjcf_text, urdf_text
 from linkwright.stages.show.preview.vectors import vector
 from linkwright.stages.show.raster import Numbers
 
@@ -36,10 +36,10 @@ def look_of_files(path: str, files: Mapping[str, bytes]) -> Look:
     cannot compile it."""
     try:
         if path.endswith(".urdf"):
-            text, meshes = urdf_text(path, files)
-            return look_of(compiled_text(text, meshes), _home_values(files["robot.json"]))
+            model = urdf_text(path, files)
+            return look_of(compiled_text(model.text, model.files), _home_values(files["robot.json"]))
         for keeps_meshes in (False, True):
-            model = mjcf_text(path, files, whole=keeps_meshes)
+            model = mjcf_text(path, files, keep_meshes=keeps_meshes)
             try:
                 return look_of(compiled_text(model.text, model.files), {}, model.meshes)
             except NotCompiled:
@@ -61,7 +61,7 @@ def _home_values(robot: bytes) -> dict[str, float]:
     return {}
 
 
-def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, Mesh] | None = None) -> Look:
+def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, ScaledStl] | None = None) -> Look:
     """Returns the look of a model at `home`, or, without such a keyframe, with the joints' `values` [rad, m]
     by name and the other joints at zero. `meshes`: the meshes of geoms by name, in place of MuJoCo's own."""
     home = keyframe_of(model, "home")
@@ -139,13 +139,13 @@ def _solid(model: Any, geom: int, blobs: _Blobs) -> tuple[Solid, Vector, int, Ve
 class _Blobs:
     """Collects the meshes and images of a model, each once. `meshes`: the meshes of geoms, by name."""
 
-    def __init__(self, model: Any, meshes: Mapping[str, Mesh]) -> None:
+    def __init__(self, model: Any, meshes: Mapping[str, ScaledStl]) -> None:
         self.meshes = meshes
         self.blobs: list[Blob] = []
         self._model = model
         self._numbers: dict[object, int] = {}
 
-    def stl(self, mesh: Mesh) -> int:
+    def stl(self, mesh: ScaledStl) -> int:
         """Returns the index of the blob with the file of a mesh."""
         return self._stored(mesh.path, lambda: Blob("stl", mesh.data))
 

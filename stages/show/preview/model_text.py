@@ -18,12 +18,12 @@ _PLACEHOLDER = {"type": "sphere", "size": "0.001"}
 """Replacement of a mesh, since only its pose is needed: MuJoCo would take a tenth of a second for each
 40,000 triangles."""
 
-_COPYING = ("attach", "composite", "flexcomp", "plugin", "replicate")
+_COPYING_ELEMENTS = ("attach", "composite", "flexcomp", "plugin", "replicate")
 """Elements that create bodies from other elements, under other names: such a model keeps its meshes."""
 
 
 @dataclass(frozen=True, slots=True)
-class Mesh:
+class ScaledStl:
     """The binary STL of a geom, and its scale along x, y and z."""
 
     path: str
@@ -38,44 +38,52 @@ class ModelText:
 
     text: bytes
     files: Mapping[str, bytes]
-    meshes: Mapping[str, Mesh]
+    meshes: Mapping[str, ScaledStl]
 
 
-def mjcf_text(path: str, files: Mapping[str, bytes], *, whole: bool = False) -> ModelText:
-    """Returns the MJCF with its includes in place. Unless it is `whole`, geoms with a binary STL become
+def mjcf_text(path: str, files: Mapping[str, bytes], *, keep_meshes: bool = False) -> ModelText:
+    """Returns the MJCF with its includes in place. Without `keep_meshes`, geoms with a binary STL become
     placeholders."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
     resolve(root, lambda include: parse(files[normpath(join(folder, include.get("file", "")))]))
+    # MuJoCo finds files by their paths from the folder of the MJCF.
     files_by_name = {normpath(name[len(folder) :].lstrip("/")): data for name, data in files.items()}
-    meshes = {} if whole else _without_meshes(root, files_by_name)
+    meshes = {} if keep_meshes else _take_out_meshes(root, files_by_name)
     return ModelText(to_bytes(root), files_by_name, meshes)
 
 
-def _without_meshes(root: Element, files: Mapping[str, bytes]) -> dict[str, Mesh]:
-    """Removes the binary STLs from a model, and returns the mesh of each geom with such an STL by the geom's
-    name."""
-    if any(root.find(f".//{tag}") is not None for tag in _COPYING) or root.find("default//mesh") is not None:
+def _take_out_meshes(root: Element, files: Mapping[str, bytes]) -> dict[str, ScaledStl]:
+    """Replaces the geoms with a binary STL by placeholders, and returns their STLs by the names of the geoms.
+    A geom without a name gets one."""
+    if (
+        any(root.find(f".//{tag}") is not None for tag in _COPYING_ELEMENTS)
+        or root.find("default//mesh") is not None
+    ):
         return {}
     compilers = (compiler.get("meshdir") for compiler in root.iterfind("compiler"))
     folder = next(filter(None, compilers), "")
-    meshes = {name: mesh for mesh in root.iterfind("asset/mesh") if (name := _plain_name(mesh))}
-    paths = {name: normpath(join(folder, mesh.get("file", ""))) for name, mesh in meshes.items()}
-    types, users = _DefaultTypes(root), dict[str, list[Element]]()
+    candidates = {name: mesh for mesh in root.iterfind("asset/mesh") if (name := _plain_name(mesh))}
+    paths = {name: normpath(join(folder, mesh.get("file", ""))) for name, mesh in candidates.items()}
+    types = _DefaultTypes(root)
+    needed_meshes: set[str] = set()
+    elements_by_mesh: dict[str, list[Element]] = {}
     for element in root.iter():
         # A primitive that is fitted to a mesh needs the mesh, and so does any other element that names it.
         if name := element.get("mesh"):
-            is_plain = element.tag == "geom" and types.of(element) == "mesh" and name in paths
+            is_plain = element.tag == "geom" and types.type_of(element) == "mesh" and name in paths
             if not is_plain or not is_binary_stl(files.get(paths[name], b"")):
-                meshes.pop(name, None)
-            users.setdefault(name, []).append(element)
-    removed_meshes: dict[str, Mesh] = {}
-    for name, mesh in meshes.items():
+                needed_meshes.add(name)
+            elements_by_mesh.setdefault(name, []).append(element)
+    removed_meshes: dict[str, ScaledStl] = {}
+    for name, mesh in candidates.items():
+        if name in needed_meshes:
+            continue
         scale = tuple(float(number) for number in mesh.get("scale", "1 1 1").split())
-        for geom in users.get(name, ()):
+        for geom in elements_by_mesh.get(name, ()):
             del geom.attrib["mesh"]
             geom.attrib.update({"name": f"preview:{len(removed_meshes)}", **geom.attrib, **_PLACEHOLDER})
-            removed_meshes[geom.get("name")] = Mesh(paths[name], files[paths[name]], scale)
+            removed_meshes[geom.get("name")] = ScaledStl(paths[name], files[paths[name]], scale)
         mesh.getparent().remove(mesh)
     return removed_meshes
 
@@ -106,24 +114,24 @@ class _DefaultTypes:
             self._read(inner, type_)
         return type_
 
-    def of(self, geom: Element) -> str:
+    def type_of(self, geom: Element) -> str:
         if geom.get("type"):
             return str(geom.get("type"))
         classes = (ancestor.get("childclass") for ancestor in geom.iterancestors())
         return self._types.get(geom.get("class") or next(filter(None, classes), ""), self._main)
 
 
-def urdf_text(path: str, files: Mapping[str, bytes]) -> tuple[bytes, Mapping[str, bytes]]:
-    """Returns the URDF with all visible shapes, in which each mesh has a path among the files. Floating
-    joints become fixed, since MuJoCo accepts them only below the world."""
+def urdf_text(path: str, files: Mapping[str, bytes]) -> ModelText:
+    """Returns the URDF with its visible shapes, each mesh named by its path among the files; it leaves out no
+    mesh. Floating joints become fixed, since MuJoCo accepts them only below the world."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
-    files = {**files, **_with_stl(root, folder, files)}
+    files = {**files, **_replace_glbs(root, folder, files)}
     prepare_for_inspection(root, lambda name: _path_among_files(name, folder, files))
-    return to_bytes(root), files
+    return ModelText(to_bytes(root), files, {})
 
 
-def _with_stl(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+def _replace_glbs(root: Element, folder: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Replaces each visual GLB, which MuJoCo cannot read, by an STL for each of its colours. Returns the STLs
     by their paths. A malformed GLB stays."""
     stls: dict[str, bytes] = {}

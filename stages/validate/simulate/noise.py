@@ -21,6 +21,10 @@ UNLIMITED = 1e6
 """Value [rad, m] from which the end of a range counts as no limit."""
 
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
+"""Bases of Halton's sequence: high bases give nearly equal dimensions."""
+
+_GOLDEN_SHARE = 0.618033988749895
+"""The golden ratio less 1: its multiples, taken modulo 1, are spread evenly."""
 
 
 def control_ranges(model: Any) -> Array:
@@ -33,9 +37,10 @@ def control_ranges(model: Any) -> Array:
         if not controls or limited[controls.start]:
             continue
         joint = int(model.actuator_trnid[actuator][0])
-        of_joint = model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
-        servo = model.actuator_biasprm[actuator][1] != 0.0
-        if of_joint and servo and model.jnt_limited[joint]:
+        is_on_joint = model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
+        # The force of a servo depends on its own position.
+        is_servo = model.actuator_biasprm[actuator][1] != 0.0
+        if is_on_joint and is_servo and model.jnt_limited[joint]:
             ranges[controls.start] = sorted(_ends(model, joint) * model.actuator_gear[actuator][0])
     return ranges
 
@@ -44,7 +49,7 @@ def control_ranges(model: Any) -> Array:
 class Shake:
     """The end of a run with noise."""
 
-    failed: str
+    failure: str
     """The failure as text; "" without failure."""
 
     time: float
@@ -60,17 +65,19 @@ def run_with_noise(model: Any, seconds: float) -> Shake:
     data = at_keyframe(model)
     low, high = control_ranges(model).T
     step = float(model.opt.timestep)
+    # At least a step for each half.
     steps = max(2, min(round(seconds / step), int(MAX_WORK / max(1, model.nv) ** 2)))
-    hold_steps, steps_done, turn = max(1, round(HOLD_TIME / step)), 0, 0
+    hold_steps, steps_done, draw = max(1, round(HOLD_TIME / step)), 0, 0
     with collected_warnings():
         while steps_done < steps:
-            turn += 1
-            data.ctrl[:] = low + (high - low) * _halton(turn, model.nu)
+            draw += 1
+            data.ctrl[:] = low + (high - low) * _halton(draw, model.nu)
             count = 1 if steps_done < steps // 2 else min(hold_steps, steps - steps_done)
             mujoco.mj_step(model, data, count)
             steps_done += count
-            if failed := failure(model, data):
-                return Shake(failed[0], steps_done * step, *failed[1][:1])
+            if words_and_joints := failure(model, data):
+                words, joints = words_and_joints
+                return Shake(words, steps_done * step, joints[0] if joints else "")
     return Shake("", steps_done * step)
 
 
@@ -83,14 +90,15 @@ def _ends(model: Any, joint: int) -> Array:
     return np.array([low, low + span if high >= UNLIMITED else high])
 
 
-def _halton(turn: int, count: int) -> Array:
-    """Returns point number `turn` (count,) of a sequence that fills 0 to 1 evenly.
+def _halton(draw: int, dimensions: int) -> Array:
+    """Returns point number `draw` (dimensions,) of a sequence that fills 0 to 1 evenly.
 
     The first dimensions are Halton's. Since Halton's high dimensions are nearly equal, further dimensions are
-    copies of the first ones, shifted by an irrational share.
+    copies of the first ones, shifted by multiples of an irrational number.
     """
-    point = np.empty(count)
-    for at in range(count):
-        lap, which = divmod(at, len(_PRIMES))
-        point[at] = (mujoco.mju_Halton(turn, _PRIMES[which]) + lap * 0.618033988749895) % 1.0
+    point = np.empty(dimensions)
+    for dimension in range(dimensions):
+        shift_count, prime_index = divmod(dimension, len(_PRIMES))
+        halton = mujoco.mju_Halton(draw, _PRIMES[prime_index])
+        point[dimension] = (halton + shift_count * _GOLDEN_SHARE) % 1.0
     return point

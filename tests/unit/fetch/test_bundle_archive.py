@@ -126,7 +126,7 @@ def test_a_harmed_bundle_is_refused_or_read_as_it_was():
 def test_bombs_are_refused_before_they_are_inflated(monkeypatch):
     bomb = zipped({**GOOD, f"replies/{'0' * 64}": bytes(8 << 20)})
     refused(bomb, "compressed too strongly")
-    monkeypatch.setattr(module, "LARGEST", 1000)
+    monkeypatch.setattr(module, "MAX_BYTES", 1000)
     refused(zipped({**GOOD, f"replies/{'0' * 64}": bytes(2000)}), "would unpack to")
     monkeypatch.setattr(module, "_MAX_ENTRIES", 2)
     refused(zipped(GOOD), "3 entries")

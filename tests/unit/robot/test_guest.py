@@ -98,18 +98,18 @@ def test_end_of_a_guest_is_reported_in_words(run_guest, lines, said):
 def test_slow_guest_ends_with_all_that_it_started(run_guest, tmp_path):
     place = tmp_path / "pids"
     with pytest.raises(Ended, match="took longer than 1 s"):
-        run_guest(ENDLESS, str(place).encode(), limited(1, shared=1000))
+        run_guest(ENDLESS, str(place).encode(), limited(1, wall_time_factor=1000))
     assert gone(place)
 
 
 def test_guest_that_only_computes_has_its_processor_time(run_guest):
-    """What else the machine does is not counted, but within a limit: `shared` times as much by the clock."""
+    """What else the machine does is not counted, within `wall_time_factor` times as much by the clock."""
     waits = "import time\ntime.sleep(1.5)\nreturn b'done'"
-    assert run_guest(waits, bounds=limited(1, shared=20)) == b"done"
+    assert run_guest(waits, bounds=limited(1, wall_time_factor=20)) == b"done"
     with pytest.raises(Ended, match="took longer than 1 s"):
-        run_guest("while True: pass", bounds=limited(1, shared=1000))
+        run_guest("while True: pass", bounds=limited(1, wall_time_factor=1000))
     with pytest.raises(Ended, match=r"took longer than 0\.2 s"):
-        run_guest("import time\ntime.sleep(1000)", bounds=limited(0.2, shared=4))
+        run_guest("import time\ntime.sleep(1000)", bounds=limited(0.2, wall_time_factor=4))
 
 
 def test_guest_that_needs_too_much_memory_ends(run_guest):
@@ -167,8 +167,8 @@ def test_time_is_that_of_each_request(run_guest, monkeypatch):
     """The kernel's limit too."""
     monkeypatch.setattr(guest, "_PATIENCE", 0.2)
     run_guest("import time\ntime.sleep(0.7)\nreturn b'done'")
-    for shared in (1.0, 1.001):
-        bounds = Bounds(seconds=1.5, memory=1 << 30, reply=10, shared=shared)
+    for factor in (1.0, 1.001):
+        bounds = Bounds(seconds=1.5, memory=1 << 30, reply=10, wall_time_factor=factor)
         with contextlib.closing(guest.Guest("visitor", bounds, {})) as used:
             assert [used.ask(b"") for _ in range(4)] == [b"done"] * 4
 

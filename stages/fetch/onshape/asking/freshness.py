@@ -129,7 +129,7 @@ def tabs_to_ask(
 def unchanged_tabs(pair: Sequence[str], client: CachedClient) -> frozenset[str]:
     """Returns the ids of the elements that are the same in the replies to the `pair` of `tabs_to_ask`."""
     bodies = client.all(pair)
-    old_tabs, new_tabs = (documents.tabs(bodies[request]) for request in pair)
+    old_tabs, new_tabs = (documents.tab_microversions(bodies[request]) for request in pair)
     return frozenset(element for element, version in new_tabs.items() if old_tabs.get(element) == version)
 
 

@@ -65,7 +65,7 @@ def check(request: str, body: bytes) -> None:
         return
     path = request.partition("?")[0]
     if path.startswith("/documents/"):
-        read = documents.tabs if path.endswith("/elements") else documents.microversion
+        read = documents.tab_microversions if path.endswith("/elements") else documents.microversion
         read(body)
         return
     if is_assembly_mass(request):

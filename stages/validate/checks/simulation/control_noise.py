@@ -22,10 +22,10 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     shake = run_with_noise(model, STRICT_SECONDS if compiled.options.strict else SECONDS)
     detail = f"{shake.time:.3g} s of noise over the range of each control without a warning"
     findings = []
-    if shake.failed:
+    if shake.failure:
         detail = (
-            f"after {shake.time:.3g} s of noise {shake.failed}{' at ' + shake.joint if shake.joint else ''}"
+            f"after {shake.time:.3g} s of noise {shake.failure}{' at ' + shake.joint if shake.joint else ''}"
         )
         hint = "less gain or force, more armature or damping, or a shorter step would help"
-        findings = [unstable(shake.joint, f"{shake.failed}: {hint}")]
-    yield compiled.result("control noise", not shake.failed, detail, findings=findings)
+        findings = [unstable(shake.joint, f"{shake.failure}: {hint}")]
+    yield compiled.result("control noise", not shake.failure, detail, findings=findings)

@@ -306,4 +306,4 @@ def test_a_robot_with_placeholders_bears_noise_of_its_controls(tmp_path):
     write(legged(), tmp_path, plan_of(actuators={"*": {"type": "position"}}))
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.nu == 12
-    assert run_with_noise(model, 1.0).failed == ""
+    assert run_with_noise(model, 1.0).failure == ""

@@ -56,7 +56,7 @@ LOOK = Look(
     (Geom("box", (0.1, 0.1, 0.1), (0.0,) * 3, (1.0, 0, 0, 0, 1, 0, 0, 0, 1), (1.0,) * 4),), (1.0, 0, 0), ()
 )
 
-ENOUGH = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, shared=4)
+ENOUGH = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, wall_time_factor=4)
 
 
 @pytest.fixture
@@ -245,7 +245,7 @@ def test_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
     data = stl.write(Surface(wedge, faces))
     files = {"scene.xml": MESHED.replace(b"{mass}", mass), "assets/wedge.stl": data}
     drawing = look_of_files("scene.xml", files)
-    whole = mjcf_text("scene.xml", files, whole=True)
+    whole = mjcf_text("scene.xml", files, keep_meshes=True)
     model = mujoco.MjSpec.from_string(whole.text, assets=dict(whole.files)).compile()
     expected = look_of(model, {})
     assert [geom.solid for geom in drawing.geoms] == [geom.solid for geom in expected.geoms]
