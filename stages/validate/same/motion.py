@@ -36,14 +36,14 @@ def compare_poses(read_robot: ReadRobot) -> Iterator[Check]:
         for part in link.parts:
             root_from_part = root_from_link[link.name] @ part.link_from_part
             error = distance(root_from_part, root_from_cad @ part.world_from_part)
-            # NaN, the error of a missing link, is not smaller either.
-            if not error < worst_error:
+            # NaN, the error of a missing link, is not greater than any number, but counts as the largest.
+            error = math.inf if math.isnan(error) else error
+            if error >= worst_error:
                 worst_error, worst_part, worst_link = error, part.name, link.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {worst_part}"
     limit = max(CAD_ERROR, precision.pose * _pose_scale(read_robot, root_from_link))
     findings: tuple[Finding, ...] = ()
-    # `not … <=` also reports NaN.
-    if not worst_error <= limit:
+    if worst_error > limit:
         message = f"its part {worst_part} is {shown(worst_error)} m or rad from CAD's occurrence"
         element = read_robot.element("link", worst_link)
         findings = kinematic_differences(read_robot) or (

@@ -1,5 +1,6 @@
 """The validate stage finds what is wrong: every fault planted in a good build fails a check."""
 
+import math
 import re
 import shutil
 
@@ -16,6 +17,7 @@ from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_c
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.checks import MODEL_CHECKS
 from linkwright.stages.validate.dynamics import mujoco_features
+from linkwright.stages.validate.same import motion
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import turn
 from tests.support import robots
@@ -97,6 +99,12 @@ def test_planted_fault_is_found_and_named(fault, good, tmp_path, monkeypatch):
 
 def failed_of(robot, folder):
     return [check.name for check in checked(folder, robot, plan_of()) if check.fails]
+
+
+def test_a_part_without_a_pose_is_not_hidden_by_the_next(copy, monkeypatch):
+    errors = iter([math.nan])
+    monkeypatch.setattr(motion, "distance", lambda *poses: next(errors, 0.0))
+    assert [name for name in failed_of(*copy) if name.endswith("poses")] == ["robot.xml: poses"]
 
 
 def test_what_this_mujoco_can_do_is_found_out():
