@@ -17,6 +17,8 @@ from tests.unit.pipeline.page.test_hostile import HOSTILE, build_page, report, s
 from tests.unit.pipeline.page.test_sweep_page import GRID
 from tests.unit.show.graph_view.test_picture import nasty_robot, random_robot
 
+pytestmark = pytest.mark.slow
+
 LONG = "a_name_without_any_end_" * 12
 TAB = "\ue004"
 ENTER = "\ue007"

@@ -11,6 +11,8 @@ from tests.browser.words import complaints
 from tests.unit.pipeline.page.test_hostile import HOSTILE
 from tests.unit.pipeline.page.test_sweep_page import GRID, job
 
+pytestmark = pytest.mark.slow
+
 LARGE = 10_000
 TAB, ENTER = "\ue004", "\ue007"
 LEFT, RIGHT = "\ue012", "\ue014"

@@ -7,6 +7,8 @@ import pytest
 from tests.browser.models import ALL_JOINTS, FOUR_BAR, SLIDER_CRANK, chain, model_of, small_pack
 from tests.browser.words import complaints, slide, word
 
+pytestmark = pytest.mark.slow
+
 
 def poses(model, qpos):
     data = mujoco.MjData(model)

@@ -15,14 +15,9 @@ MOST_NOT_RUN = 15
 
 EVERY = [block for page in pages() for block in blocks(page)]
 
-LONG = {
-    "docs/guide/actuators.md", "docs/guide/colliders.md", "docs/guide/sweeps.md",
-    "docs/guide/sweeps-summary.md", "docs/operate/checking.md", "docs/operate/snapshots.md",
-    "docs/start/onshape-to-robot.md", "docs/start/robotics-toolkit.md",
-}  # fmt: skip
-"""Pages that take more than 4 s of a core, and that are no first steps."""
+FIRST_STEPS = ("README.md", "docs/start/index.md", "docs/start/urdf.md")
 
-PAGES = [pytest.param(page, marks=[pytest.mark.slow] * (page in LONG)) for page in pages()]
+PAGES = [pytest.param(page, marks=[pytest.mark.slow] * (page not in FIRST_STEPS)) for page in pages()]
 
 
 def slow(page):

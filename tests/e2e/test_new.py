@@ -17,6 +17,8 @@ from tests.support import recorded
 from tests.support.command import called, environment
 from tests.support.other_robots import FILES, is_here
 
+pytestmark = pytest.mark.slow
+
 DOCUMENTS = {
     **GALLERY,
     "extended": extended_sample,

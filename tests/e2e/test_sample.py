@@ -77,6 +77,7 @@ def test_hash_seed_and_bypass_change_no_byte_of_the_rest(plain, tmp_path):
     assert robot_files(tmp_path / "outputs" / "sample") == plain
 
 
+@pytest.mark.slow
 def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(plain, tmp_path):
     document = sample_document()
     with OnshapeServer(document) as server:

@@ -14,6 +14,8 @@ from tests.support.pages import blocks, page
 from tests.support.places import PROJECT
 from tests.support.users import MY_ARM, write
 
+pytestmark = pytest.mark.slow
+
 HEAD = "# @package _global_\n"
 PAIR = f"{HEAD}defaults:\n  - override /source: urdf\nsource: {{path: pair.urdf}}\n"
 BODY = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
