@@ -12,7 +12,7 @@ from tests.support.places import PROJECT
 
 LIST = Path(__file__).with_name("long_tests.txt")
 
-LIMIT = 0.2
+LIMIT = 0.08
 """Mean duration [s] of the items of a function, set-up included, above which it is long."""
 
 _durations: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
