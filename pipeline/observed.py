@@ -18,7 +18,8 @@ import linkwright.conf
 from linkwright.stages.robot.system import regular_files
 
 MAX_BYTES = 16 << 20
-"""Largest size of a readable file [bytes]; YAML and XML have lower limits."""
+"""Largest size of a readable file [bytes]; YAML has a lower limit; XML has the same
+(`pipeline.element_files`)."""
 
 DOTENV = ".env"
 """The file in the working folder that may contain API keys and other variables."""
@@ -52,18 +53,18 @@ class Observations:
         self._environ = environ
         self._answers: dict[tuple[str, str], str] = {}
         for name in VARIABLE_NAMES:
-            self.ask("variable", name)
+            self.observe("variable", name)
         for prefix in VARIABLE_PREFIXES:
-            self.ask("variables with prefix", prefix)
+            self.observe("variables with prefix", prefix)
         for question in ("content", "mode"):
-            self.ask(question, DOTENV)
+            self.observe(question, DOTENV)
 
     @property
     def answers(self) -> tuple[AnsweredQuestion, ...]:
         """All questions with their answers, in the order in which each was first asked."""
         return tuple((question, subject, answer) for (question, subject), answer in self._answers.items())
 
-    def ask(self, question: str, subject: str) -> None:
+    def observe(self, question: str, subject: str) -> None:
         """Asks a question, and records its answer."""
         self.record(question, subject, current_answer(question, subject, self._salt, self._environ))
 
@@ -103,40 +104,40 @@ def have_same_answers(
 
 def is_file(path: Path) -> bool:
     """Tells whether a file is at the path."""
-    return _ask("kind", path) == "file"
+    return _observed_answer("kind", path) == "file"
 
 
 def is_folder(path: Path) -> bool:
     """Tells whether a folder is at the path."""
-    return _ask("kind", path) == "folder"
+    return _observed_answer("kind", path) == "folder"
 
 
 def real_path(path: Path) -> Path:
     """Returns the absolute path, with all symbolic links resolved."""
-    return Path(_ask("real path", path))
+    return Path(_observed_answer("real path", path))
 
 
 def yaml_files(folder: Path) -> list[str]:
     """Returns the names of the YAML files in a folder, sorted; [] if there is no such folder."""
-    names: list[str] = json.loads(_ask("YAML files", folder))
+    names: list[str] = json.loads(_observed_answer("YAML files", folder))
     return names
 
 
 def yaml_files_below(folder: Path) -> list[str]:
     """Returns the paths of the YAML files in a folder and below it, relative to it, sorted."""
-    paths: list[str] = json.loads(_ask("YAML files below", folder))
+    paths: list[str] = json.loads(_observed_answer("YAML files below", folder))
     return paths
 
 
 def folders_with_yaml(folder: Path) -> list[str]:
     """Returns the names of the folders directly in a folder that have YAML files directly in them, sorted."""
-    names: list[str] = json.loads(_ask("folders with YAML", folder))
+    names: list[str] = json.loads(_observed_answer("folders with YAML", folder))
     return names
 
 
 def has_yaml_in_subfolders(folder: Path) -> bool:
     """Tells whether any folder in this folder has a YAML file, at any depth."""
-    return _ask("YAML in subfolders", folder) == "yes"
+    return _observed_answer("YAML in subfolders", folder) == "yes"
 
 
 def record_content(path: Path, content: bytes) -> None:
@@ -148,7 +149,7 @@ def record_content(path: Path, content: bytes) -> None:
 def record_variable(name: str) -> None:
     """Records that the value of an environment variable is used."""
     if observations := _CURRENT_OBSERVATIONS.get():
-        observations.ask("variable", name)
+        observations.observe("variable", name)
 
 
 def record_momentary_value() -> None:
@@ -157,7 +158,7 @@ def record_momentary_value() -> None:
         observations.is_repeatable = False
 
 
-def _ask(question: str, path: Path) -> str:
+def _observed_answer(question: str, path: Path) -> str:
     """Returns the answer to a question about a path, and records it."""
     answer = current_answer(question, str(path))
     if observations := _CURRENT_OBSERVATIONS.get():
@@ -207,24 +208,24 @@ def _content_digest(path: str) -> str:
         return ""
 
 
-def _yaml_files(folder: str) -> str:
+def _answer_yaml_files(folder: str) -> str:
     """Returns the answer to `yaml_files`, as a list in JSON."""
     return json.dumps(sorted(_yaml_names(folder)))
 
 
-def _yaml_files_below(folder: str) -> str:
+def _answer_yaml_files_below(folder: str) -> str:
     """Returns the answer to `yaml_files_below`, as a list in JSON."""
     files = (os.path.join(top, name) for top, _, names in os.walk(folder) for name in names)  # noqa: PTH118
     return json.dumps(sorted(os.path.relpath(file, folder) for file in files if _is_yaml(file)))
 
 
-def _folders_with_yaml(folder: str) -> str:
+def _answer_folders_with_yaml(folder: str) -> str:
     """Returns the answer to `folders_with_yaml`, as a list in JSON."""
     subfolders = (entry for entry in _entries(folder) if entry.is_dir())
     return json.dumps(sorted(entry.name for entry in subfolders if _yaml_names(entry.path)))
 
 
-def _has_yaml_in_subfolders(folder: str) -> str:
+def _answer_yaml_in_subfolders(folder: str) -> str:
     """Returns the answer to `has_yaml_in_subfolders`: "yes" or ""."""
     for entry in _entries(folder):
         if entry.is_dir() and any(_is_yaml(name) for _, _, names in os.walk(entry.path) for name in names):
@@ -254,9 +255,9 @@ _PATH_QUESTIONS: Mapping[str, Callable[[str], str]] = {
     "mode": _mode,
     "real path": os.path.realpath,
     "content": _content_digest,
-    "YAML files": _yaml_files,
-    "YAML files below": _yaml_files_below,
-    "folders with YAML": _folders_with_yaml,
-    "YAML in subfolders": _has_yaml_in_subfolders,
+    "YAML files": _answer_yaml_files,
+    "YAML files below": _answer_yaml_files_below,
+    "folders with YAML": _answer_folders_with_yaml,
+    "YAML in subfolders": _answer_yaml_in_subfolders,
 }
 """Question about a path → the function that answers it."""

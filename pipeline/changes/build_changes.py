@@ -8,7 +8,7 @@ from typing import Any
 
 from linkwright.pipeline.changes.change import Change
 from linkwright.pipeline.changes.compare import compare
-from linkwright.pipeline.changes.read import FILE, in_new_keys
+from linkwright.pipeline.changes.read import ROBOT_FILE, in_new_keys
 from linkwright.pipeline.changes.show import describe_change, source_changes
 from linkwright.pipeline.output import manifest
 from linkwright.stages.robot.check import Check
@@ -63,13 +63,17 @@ def compare_builds(
         return BuildChanges()
     sentences = (*_check_sentences(folder, tuple(checks)), *_file_sentences(previous, outputs))
     # Without both robot.json files, only the lists of files can be compared.
-    if FILE not in previous or FILE not in files or previous[FILE] == outputs.get(FILE):
+    if (
+        ROBOT_FILE not in previous
+        or ROBOT_FILE not in files
+        or previous[ROBOT_FILE] == outputs.get(ROBOT_FILE)
+    ):
         return BuildChanges(files=sentences)
     try:
-        earlier = in_new_keys(json.loads((folder / FILE).read_bytes()))
-        changes = _robot_changes(earlier, json.loads(files[FILE]))
+        earlier = in_new_keys(json.loads((folder / ROBOT_FILE).read_bytes()))
+        changes = _robot_changes(earlier, json.loads(files[ROBOT_FILE]))
     except Exception as error:  # an older build, or a changed file, may hold anything
-        failure = f"the {FILE} of the previous build cannot be compared: {type(error).__name__}"
+        failure = f"the {ROBOT_FILE} of the previous build cannot be compared: {type(error).__name__}"
         return BuildChanges(failure=failure, files=sentences)
     return BuildChanges(
         robot=changes[:MAX_ROBOT_CHANGES], more=max(0, len(changes) - MAX_ROBOT_CHANGES), files=sentences

@@ -9,7 +9,7 @@ from typing import Any
 from linkwright.pipeline.changes.git import read_blob
 from linkwright.pipeline.errors import ConfigError, OutputError
 
-FILE = "robot.json"
+ROBOT_FILE = "robot.json"
 FORMAT, VERSION = "linkwright-robot", 1
 _RENAMED_KEYS = {"mass": "total_mass"}
 """Keys in the files of earlier builds → their names now."""
@@ -34,9 +34,9 @@ def read_robot(name: str) -> SavedRobot:
     no robot.json of a version that this program reads."""
     path = Path(name)
     if path.exists():
-        file = path / FILE if path.is_dir() else path
+        file = path / ROBOT_FILE if path.is_dir() else path
         if not file.is_file():
-            msg = f"the folder has no {FILE}"
+            msg = f"the folder has no {ROBOT_FILE}"
             raise OutputError(msg, name, "a build leaves one; " + _HINT)
         return SavedRobot(name, _read(_bytes(file), str(file)), path.is_dir())
     revision, colon, inside = name.partition(":")
@@ -60,14 +60,14 @@ def _from_git(place: str, revision: str, inside: str) -> bytes:
     relative_path = inside if inside.startswith(("./", "../")) else f"./{inside}"
     complaint = ""
     for path in (inside, relative_path):
-        for inner in (path, str(PurePosixPath(path) / FILE) if inside else FILE):
+        for inner in (path, str(PurePosixPath(path) / ROBOT_FILE) if inside else ROBOT_FILE):
             name = inner if path != relative_path or inner.startswith(("./", "../")) else f"./{inner}"
             process = read_blob(f"{revision}:{name}", _HINT)
             if process.returncode == 0:
                 return process.stdout
             complaint = complaint or process.stderr.decode(errors="replace").strip()
     raise OutputError(
-        f"git has no robot there: {complaint or 'it is a folder without ' + FILE}", place, _HINT
+        f"git has no robot there: {complaint or 'it is a folder without ' + ROBOT_FILE}", place, _HINT
     )
 
 
@@ -77,7 +77,7 @@ def _read(data: bytes, place: str) -> Mapping[str, Any]:
     except ValueError as error:
         raise OutputError(f"it is not JSON: {error}", place, _HINT) from None
     if not isinstance(tree, dict) or tree.get("format") != FORMAT:
-        raise OutputError(f"it is not a {FILE} of Linkwright", place, _HINT)
+        raise OutputError(f"it is not a {ROBOT_FILE} of Linkwright", place, _HINT)
     if tree.get("version") != VERSION:
         msg = f"its version is {tree.get('version')}; this program reads version {VERSION}"
         raise OutputError(msg, place, "build it again, or use the Linkwright that made it")

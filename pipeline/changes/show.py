@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import Any
 
 from linkwright.pipeline.changes.change import Change
-from linkwright.pipeline.changes.read import FILE, SavedRobot
+from linkwright.pipeline.changes.read import ROBOT_FILE, SavedRobot
 from linkwright.pipeline.json_documents.diff import ChangeDocument, ComparedRobot, DiffDocument
 from linkwright.pipeline.reference.exit_status import BUILT, UNMET
 from linkwright.stages.robot.text.plural import count
@@ -15,7 +15,10 @@ from linkwright.stages.robot.text.printable import printable
 _ESCAPES = str.maketrans({mark: f"\\{mark}" for mark in "\\|`*_[]"} | {"<": "&lt;", ">": "&gt;"})
 """Character that Markdown or HTML would interpret → its escape in a cell of a Markdown table."""
 
-FOLDER_NOTE = f"only {FILE} of a folder is compared; `linkwright check` compares its other files with {FILE}"
+FOLDER_NOTE = (
+    f"only {ROBOT_FILE} of a folder is compared; "
+    f"`linkwright check` compares its other files with {ROBOT_FILE}"
+)
 """Note that is shown if a folder is compared."""
 
 

@@ -31,7 +31,7 @@ class Choices:
     presets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The content of each option that the command line chose, by group."""
     keys: frozenset[str] = frozenset()
-    """The keys that the command line set, with all levels."""
+    """The full keys that the command line set, such as `mesh.visual.merge`."""
     explicit_groups: frozenset[str] = frozenset()
     """The groups in `multiple_choices` for which the command line chose options."""
 
@@ -122,7 +122,7 @@ def _keep_chosen_targets(tree: dict[str, Any], choices: Choices) -> None:
 
 def default_robot_name(source: Any, robot: str = "bare") -> str:
     """Returns the default name of a robot. It is made from the name of the robot's file, else the source's
-    path, else the element id, else the robot of the gallery, else the kind of source.
+    path, else the element id, else the source's `robot` (a robot of the gallery), else the kind of source.
 
     `source`: the section `source`, not yet validated; `robot`: the option of the group `robot`.
     """
@@ -137,9 +137,9 @@ def default_robot_name(source: Any, robot: str = "bare") -> str:
         # `scene` is a common name of a file around the robot, and Linkwright writes its own scene.xml.
         return _safe_name((path.parent.name or "robot") if stem.lower() == "scene" else stem)
     # Eight of the 24 digits of the id are enough to tell robots apart.
-    element_id = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
-    if element_id:
-        return f"onshape_{element_id.group(1).lower()}"
+    element_match = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
+    if element_match:
+        return f"onshape_{element_match.group(1).lower()}"
     return _safe_name(str(source.get("robot") or source.get("kind", "robot")))
 
 

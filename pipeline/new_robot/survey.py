@@ -39,7 +39,7 @@ class FetchedMechanism:
 
     @property
     def studio_count(self) -> int:
-        """The number of part studios; 0 for a robot's own file."""
+        """The number of part studios; 0 for a source that is not Onshape's."""
         return len(self.bundle.studios) if isinstance(self.bundle, OnshapeBundle) else 0
 
 
@@ -51,8 +51,8 @@ class MechanismSurvey:
     """The robot, if necessary with welded loose parts and placeholder masses; None if the graph stage fails
     even with these."""
     problems: tuple[Diagnostic, ...]
-    """The problems with which the graph stage of a build will end, as far as the mechanism shows
-    them."""
+    """The problems that will end the graph stage of a build, as far as they are known without the
+    triangles."""
 
 
 def fetch_mechanism(
@@ -91,7 +91,7 @@ def survey_mechanism(mechanism: FetchedMechanism, plan: Plan) -> MechanismSurvey
 
 
 def _robot_or_problems(bundle: Bundle, plan: Plan) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
-    """Returns the robot; or None, and the problems that end the graph stage."""
+    """Returns the robot and no problems; or None and the problems that end the graph stage."""
     try:
         return build_robot(bundle, plan), ()
     except AssemblyError as error:

@@ -63,11 +63,12 @@ def _unmet_check_lines(report: Report, detail: Detail) -> Iterator[str]:
     """Yields the lines of the checks that did not pass: first warnings, unless only errors are shown; then
     failed checks."""
     max_findings = sys.maxsize if detail == "all" else MAX_FINDINGS
+    rest = " in report.json" if report.folder else ""
     if detail != "errors":
         for check in report.warned_checks:
-            yield from check_lines("WARNING", check, max_findings, " in report.json")
+            yield from check_lines("WARNING", check, max_findings, rest)
     for check in report.failed_checks:
-        yield from check_lines("FAILED", check, max_findings, " in report.json")
+        yield from check_lines("FAILED", check, max_findings, rest)
 
 
 def _objective_lines(report: Report) -> Iterator[str]:

@@ -249,7 +249,7 @@ def _name_shapes(
     files: dict[str, bytes] = {}
     for link, pieces in pieces_by_link.items():
         visual_names, collider_names = names[link]
-        remaining_names = iter(collider_names)
+        remaining_names = iter(collider_names)  # taken in the order of `_file_counts`
         link_shapes = [
             *(_collider_shape(link, piece, remaining_names, limits) for piece in pieces),
             *(

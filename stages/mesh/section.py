@@ -66,7 +66,7 @@ class MeshSection(Section):
 
     extra_volume: NonNegative = 0.15
     """Largest volume that a single primitive or hull may add to a part, as a share of the volume of the
-    part, thickened by mesh.tolerance all around."""
+    part after it is thickened by mesh.tolerance on all sides."""
 
     max_vertices: VertexCount = 64
     """Largest number of vertices of one hull or convex piece."""

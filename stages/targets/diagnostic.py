@@ -10,7 +10,8 @@ def replacement_diagnostic(change: str, targets: Collection[str], hint: str = ""
     """Returns I-TARGET for a replacement.
 
     `change`: the replacement in words, such as "4 meshes in STL → OBJ"; `targets`: the targets that require
-    it; `hint`: the text after the names of the targets, by default that nothing is replaced without them.
+    it; `hint`: the text after the targets' names; by default it says that without these targets nothing
+    is replaced.
     """
     default_hint = f"without {'it' if len(targets) == 1 else 'them'} this stays as it is"
     return Diagnostic("I-TARGET", change, "target", f"for {', '.join(targets)}; {hint or default_hint}")

@@ -1,11 +1,11 @@
 """Finds contacts of a robot with itself that differ from those of its visual shapes, over poses within its
 limits.
 
-A contact is *false* if the colliders of two bodies overlap by more than 2 mm while their visual shapes are
-more than 2 mm apart, neither inside the other. At `home`, any overlap of colliders whose visual shapes are
-apart is false. A contact is *missed* if the visual shapes intersect and the colliders do not touch. MuJoCo
-decides what collides, and the visual shapes are the triangles and primitives of the file, so the result does
-not depend on how the colliders were made.
+A contact is *false* if the colliders of two bodies overlap by more than `MIN_FALSE_DEPTH` while their visual
+shapes are more than `MIN_FALSE_DISTANCE` apart, neither inside the other; at `home`, the limits are
+`MIN_HOME_FALSE_DEPTH` and `MIN_HOME_FALSE_DISTANCE`, and one shape may be inside the other. A contact is
+*missed* if the visual shapes intersect and the colliders do not touch. MuJoCo decides what collides, and the
+visual shapes are those of the file, so the result does not depend on how the colliders were made.
 """
 
 from collections.abc import Mapping
@@ -48,7 +48,7 @@ since meshes deviate by as much."""
 SLIDE_TRAVEL = 0.5
 """Travel [m] of slides without limits."""
 
-SALT = "contacts that others than the maker of colliders see"
+POSES_SALT = "contacts that others than the maker of colliders see"
 """Seed of the sampled poses, which differ from those at which colliders are made."""
 
 
@@ -145,7 +145,7 @@ class _ContactJudge:
                 self.partly_excluded_pairs.add(pair)
         self.results: dict[tuple[int, int], _PairResults] = {}
 
-    def results_of(self, first: int, second: int) -> _PairResults:
+    def results_to_complete(self, first: int, second: int) -> _PairResults:
         """Returns the results for two bodies, to be completed."""
         if (first, second) not in self.results:
             self.results[first, second] = _PairResults(self.reasons.get((first, second)))
@@ -206,7 +206,7 @@ class _ContactJudge:
                 continue
             first_from_second = self.first_from_second(first, second)
             if not self.surfaces.near(first, second, first_from_second, min_distance):
-                self.results_of(first, second).add_false(first_from_second, depth, at_home=at_home)
+                self.results_to_complete(first, second).add_false(first_from_second, depth, at_home=at_home)
 
     def _add_missed(self, depths: Mapping[tuple[int, int], float], at_home: bool) -> None:
         """Adds the missed contacts: visual shapes intersect, but `depths` has no contact of the colliders."""
@@ -221,15 +221,15 @@ class _ContactJudge:
             # Excluded colliders do not touch in a simulation, wherever they are.
             is_excluded = self.reasons.get((first, second)) is not None
             if is_excluded or not self.are_touching(first, second):
-                self.results_of(first, second).add_missed(at_home=at_home)
+                self.results_to_complete(first, second).add_missed(at_home=at_home)
 
 
-def contact_errors(compiled: CompiledModel, max_poses: int, salt: str = SALT) -> ContactErrors:
+def contact_errors(compiled: CompiledModel, max_poses: int, salt: str = POSES_SALT) -> ContactErrors:
     """Finds the pairs of bodies with false contacts, at `home` or at up to `max_poses` sampled poses, or with
     missed contacts at sampled poses. Loops are closed at all poses. `salt`: seed of the poses.
 
     Neighbours never collide, and are not judged. A pair that is excluded because it touches in every pose is
-    missed only if its visual shapes overlap in some sampled poses, but neither in all of them nor at `home`.
+    missed only if its visual shapes are apart at `home` and in some sampled poses, but overlap in others.
     """
     judge, robot = _ContactJudge(compiled), compiled.robot
     start = home(robot)
@@ -273,7 +273,7 @@ def _judged_geoms(
     for body, (visual_geoms, colliding_geoms) in sorted(seen_and_solid(compiled.model).items()):
         if body not in comparable_bodies or not visual_geoms:
             continue
-        if colliding_geoms or not _has_no_collider_on_purpose(compiled, body):
+        if colliding_geoms or not _is_bare_on_purpose(compiled, body):
             visuals[body], colliders[body] = visual_geoms, colliding_geoms
     return visuals, colliders
 
@@ -287,7 +287,7 @@ def _is_comparable(link: Link) -> bool:
     return all(are_visible) or not all(are_colliding)
 
 
-def _has_no_collider_on_purpose(compiled: CompiledModel, body: int) -> bool:
+def _is_bare_on_purpose(compiled: CompiledModel, body: int) -> bool:
     """Tells whether the MJCF source or the configuration leaves a body without colliders."""
     return compiled.robot.mjcf is not None or is_bare_by_choice(compiled, compiled.model.body(body).name)
 

@@ -53,7 +53,7 @@ BASIC_OPTION = "basic"
 values, one after the other."""
 
 SEARCH_KEYS = ("sweeper.n_trials", "sweeper.direction", "sweeper.sampler.seed")
-"""Keys of a search that a file may set: two numbers, and the direction."""
+"""Keys that a file may set for a search, in which a sweeper such as Optuna chooses the values."""
 
 _DIRECTIONS = ("minimize", "maximize")
 
@@ -112,9 +112,9 @@ def compare_hydra_nodes(
         key = key_of(place)
         if key.startswith(_PREFIXES_SET_BY_HYDRA):
             continue
-        # The rest stays unresolved: folders are resolved later, for each job; other settings are refused.
-        is_known_plug_in_key = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
-        value = resolve(place) if key == PARAMS_KEY or is_known_plug_in_key else composed_value
+        # Only these are resolved here: folders are resolved later, for each job; others are refused.
+        is_launcher_or_sweeper_key = place[0] in (LAUNCHER, SWEEPER) and trusted_value is not _ABSENT
+        value = resolve(place) if key == PARAMS_KEY or is_launcher_or_sweeper_key else composed_value
         if _may_set(place, value, trusted_value):
             settings[key] = value
         else:

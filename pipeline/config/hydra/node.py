@@ -48,15 +48,15 @@ class JobIdentity(NamedTuple):
 class HydraSettings:
     """Hydra's own configuration: the node `hydra` of the trees that a session composes.
 
-    Knows the keys that the command line sets in it, and those that files set and may set.
+    Tells which of its keys the command line sets, and which a file sets and may set.
     """
 
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._command: list[str] = []
-        self._trusted_configs: dict[HydraOptions, DictConfig] = {}
+        self._command_configs: dict[HydraOptions, DictConfig] = {}
         """Options → the configuration that the command line alone composes."""
-        self._trusted_nodes: dict[HydraOptions, dict[str, Any]] = {}
+        self._command_nodes: dict[HydraOptions, dict[str, Any]] = {}
         """Options → the node `hydra` of that configuration, with its interpolations."""
         self.typed_overrides: list[str] = []
         """The overrides of Hydra's own keys on the command line."""
@@ -96,13 +96,13 @@ class HydraSettings:
         default. The user's own options are found only in folders that `--config-dir` names.
         """
         options = HydraOptions(launcher, sweeper)
-        if options not in self._trusted_configs:
+        if options not in self._command_configs:
             option_by_group = {LAUNCHERS: launcher, SWEEPERS: sweeper}
             group_overrides = [f"{group}={option}" for group, option in option_by_group.items() if option]
             search_path = search_path_override(self._presets.config_folders)
             arguments = [*group_overrides, *self.typed_overrides, *search_path]
-            self._trusted_configs[options], _ = composed(arguments)
-        return self._trusted_configs[options]
+            self._command_configs[options], _ = composed(arguments)
+        return self._command_configs[options]
 
     def sweep_settings(
         self, config: DictConfig, draft: Draft, robot_name: Any = None, job: JobIdentity | None = None
@@ -133,15 +133,15 @@ class HydraSettings:
         """Returns the settings of Hydra that files set and may set, by key without `hydra.`; adds a problem
         for each other setting."""
         try:
-            if options not in self._trusted_nodes:
-                self._trusted_nodes[options] = as_written(self.trusted_config(*options).hydra)
+            if options not in self._command_nodes:
+                self._command_nodes[options] = as_written(self.trusted_config(*options).hydra)
         # Hydra and OmegaConf raise errors of many types.
         except Exception as error:
             draft.add(self._launcher_problem(options.launcher) or composition_problem(error, self._presets))
             return {}
         # The search path of the composed tree has the user's folders, which no file has added.
         searchpath = [f"file://{folder}" for folder in self._presets.own]
-        trusted_node = {**self._trusted_nodes[options], "searchpath": searchpath}
+        trusted_node = {**self._command_nodes[options], "searchpath": searchpath}
         settings, problems = compare_hydra_nodes(
             as_written(config.hydra),
             trusted_node,
@@ -172,7 +172,8 @@ class HydraSettings:
 def _sweep_settings(
     launcher: str, sweeper: str, file_settings: Mapping[str, Any], folders: Mapping[str, str]
 ) -> SweepSettings:
-    """Sorts the settings that files set, and the folders, both by key without `hydra.`."""
+    """Returns the sweep settings. `file_settings`: key without `hydra.` → the value that files set;
+    `folders`: key without `hydra.` → the resolved folder."""
     prefix = f"{LAUNCHER}."
     launcher_settings = {
         key.removeprefix(prefix): value for key, value in file_settings.items() if key.startswith(prefix)

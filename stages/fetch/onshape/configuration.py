@@ -36,7 +36,8 @@ _BOUND_TOLERANCE = 1e-9
 """Relative tolerance of bounds, which may have another unit than the value."""
 
 _MIN_COMPARED_SIZE = 1e-6
-"""Size, in units of the bounds, to which the tolerance is relative if the value is smaller."""
+"""Smallest size, in units of the bounds, for the relative tolerance: smaller values have the tolerance of
+this size."""
 
 
 @dataclass(frozen=True, slots=True)

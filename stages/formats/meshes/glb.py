@@ -88,7 +88,7 @@ class _GlbFile:
 
     def content(self, pieces: Sequence[Piece], up_axis: UpAxis) -> bytes:
         """Returns the content of the file."""
-        primitives = [self._primitive(piece) for piece in pieces]
+        primitives = [self._add_primitive(piece) for piece in pieces]
         node = {"name": "visual", "mesh": 0, **({"rotation": _Y_UP_FROM_Z_UP} if up_axis == "y" else {})}
         images = [{"bufferView": view, "mimeType": "image/png"} for view in self._image_views]
         buffer = b"".join(self._buffer)
@@ -112,7 +112,7 @@ class _GlbFile:
         chunks = _chunk(_JSON_CHUNK, json_bytes) + _chunk(_BINARY_CHUNK, buffer)
         return b"glTF" + struct.pack("<II", _GLB_VERSION, _HEADER_SIZE + len(chunks)) + chunks
 
-    def _primitive(self, piece: Piece) -> dict[str, Any]:
+    def _add_primitive(self, piece: Piece) -> dict[str, Any]:
         """Adds the arrays and the material of a piece, and returns its primitive."""
         surface = piece.surface
         normal_indices, normals = corner_normals(surface)
@@ -129,7 +129,7 @@ class _GlbFile:
         return {
             "attributes": attributes,
             "indices": self._add_indices(corner_vertices, len(first_corners)),
-            "material": self._material_index(piece),
+            "material": self._add_material(piece),
         }
 
     def _add_vectors(self, vectors: npt.NDArray[Any], *, with_bounds: bool = False) -> int:
@@ -137,21 +137,21 @@ class _GlbFile:
         has their smallest and largest entries, which glTF requires of points."""
         # + 0 makes −0 a 0.
         rows = np.ascontiguousarray(vectors.astype("<f4") + np.float32(0.0))
-        record = {"componentType": _FLOAT_TYPE, "count": len(rows), "type": f"VEC{rows.shape[1]}"}
+        accessor = {"componentType": _FLOAT_TYPE, "count": len(rows), "type": f"VEC{rows.shape[1]}"}
         if with_bounds:
-            record |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
-        return self._add_accessor(record, rows.tobytes(), _VERTEX_TARGET)
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        return self._add_accessor(accessor, rows.tobytes(), _VERTEX_TARGET)
 
     def _add_indices(self, indices: npt.NDArray[np.int64], vertex_count: int) -> int:
         """Adds an accessor of indices into the vertices, and returns its own index."""
         is_short = vertex_count <= _MAX_SHORT_VERTICES
         number_type, dtype = (_SHORT_TYPE, "<u2") if is_short else (_INT_TYPE, "<u4")
-        record = {"componentType": number_type, "count": indices.size, "type": "SCALAR"}
-        return self._add_accessor(record, indices.astype(dtype).tobytes(), _INDEX_TARGET)
+        accessor = {"componentType": number_type, "count": indices.size, "type": "SCALAR"}
+        return self._add_accessor(accessor, indices.astype(dtype).tobytes(), _INDEX_TARGET)
 
-    def _add_accessor(self, record: dict[str, Any], data: bytes, target: int) -> int:
+    def _add_accessor(self, accessor: dict[str, Any], data: bytes, target: int) -> int:
         """Adds data, its view and its accessor; returns the accessor's index. `target`: the view's use."""
-        self._accessors.append({"bufferView": self._add_view(data, target=target), **record})
+        self._accessors.append({"bufferView": self._add_view(data, target=target), **accessor})
         return len(self._accessors) - 1
 
     def _add_view(self, data: bytes, **more: int) -> int:
@@ -161,7 +161,7 @@ class _GlbFile:
         self._views.append({"buffer": 0, "byteOffset": offset, "byteLength": len(data), **more})
         return len(self._views) - 1
 
-    def _material_index(self, piece: Piece) -> int:
+    def _add_material(self, piece: Piece) -> int:
         """Returns the index of a piece's material, which is added if no earlier piece has the same."""
         *rgb, alpha = piece.colour
         appearance: dict[str, Any] = {
@@ -170,18 +170,18 @@ class _GlbFile:
             "roughnessFactor": ROUGHNESS,
         }
         if piece.image:
-            appearance["baseColorTexture"] = {"index": self._image_index(piece.image)}
-        record = {
+            appearance["baseColorTexture"] = {"index": self._add_image(piece.image)}
+        material = {
             "pbrMetallicRoughness": appearance,
             **({"alphaMode": "BLEND"} if alpha < 1.0 else {}),
             # Triangles of an open surface can be seen from behind.
             **({} if piece.surface.is_closed() else {"doubleSided": True}),
         }
-        if record not in self._materials:
-            self._materials.append(record)
-        return self._materials.index(record)
+        if material not in self._materials:
+            self._materials.append(material)
+        return self._materials.index(material)
 
-    def _image_index(self, image: bytes) -> int:
+    def _add_image(self, image: bytes) -> int:
         """Returns the index of an image, which is added if the file does not have it yet."""
         if image not in self._images:
             self._images.append(image)

@@ -14,8 +14,8 @@ MAX_XML_BYTES = 1 << 25
 """Largest size of an XML file [bytes]: ten times that of a model with 10,000 bodies."""
 
 MAX_COPIES = 10_000
-"""Largest number of copies that <replicate>, <composite> and <flexcomp> may make of the elements inside them,
-all together; also the limit for each of them by itself, even without elements inside."""
+"""Largest number of elements that all <replicate>, <composite> and <flexcomp> together may copy. A single one
+must not make more copies than this either, even if it is empty."""
 
 MAX_COUNT = 10_000
 """Largest value of an attribute by which MuJoCo allocates memory."""
@@ -79,8 +79,10 @@ def _violations(root: Element) -> Iterator[str]:
             copied_elements = max(copied_elements, copies_inside[element])
         if copied_elements > MAX_COPIES:
             tags = ", ".join(f"<{tag}>" for tag in _COPYING_TAGS)
-            copies_text = f"its copies ({tags}) come to {copied_elements:.6g} elements"
-            yield f"{copies_text}; at most {MAX_COPIES} are allowed"
+            yield (
+                f"its copies ({tags}) come to {copied_elements:.6g} elements; "
+                f"at most {MAX_COPIES} are allowed"
+            )
             return
         body_count += element.tag == "body"
         yield from _attribute_violations(element)

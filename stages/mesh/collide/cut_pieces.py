@@ -52,7 +52,7 @@ _MAX_FAR_SHARE = 0.04
 below the allowed 5 %, since points do not show everything."""
 
 _MAX_DISTANCE = 2.7
-"""Distance, in tolerances, by which points may stand out when cutting ends: below the allowed 3 as well."""
+"""Largest distance, in tolerances, by which points may stand out when cutting ends: below the allowed 3."""
 
 _FACE_OFFSET = 0.1
 """Distance of a plane from a flat face, in tolerances."""
@@ -101,7 +101,7 @@ class PieceCutter:
 
     def __init__(self, judge: Judge, max_vertices: int, effort: str = "normal") -> None:
         self._judge, self._max_vertices, self._plane_count = judge, max_vertices, PLANE_COUNTS[effort]
-        self._distances = Field.of(judge.target, judge.tolerance)
+        self._distance_field = Field.of(judge.target, judge.tolerance)
         self._seam_width = _SEAM_WIDTH * judge.target.diagonal
         self._part_area = judge.surface.area()
         # Results of `_points_inside` and `_pieces_of`.
@@ -109,8 +109,8 @@ class PieceCutter:
         self._piece_of: dict[Portion, Piece] = {}
 
     def cut(self) -> Cut:
-        """Returns the fewest pieces, at most 16, within the tolerance; if no start gives them, the nearest
-        pieces of all starts. The starts are the whole part, then the sectors of a round part."""
+        """Returns the fewest pieces, at most `MAX_PIECES`, within the tolerance; if no start gives them,
+        the nearest pieces of all starts. The starts are the whole part, then the sectors of a round part."""
         whole = self._judge.surface
         cuts: list[Cut] = []
         for start in itertools.chain([[whole]], cut_into_sectors(whole)):
@@ -120,7 +120,7 @@ class PieceCutter:
             cuts += [cut] if cut.pieces else []
         if len(cuts) == 1:  # no need to measure, which takes time
             return cuts[0]
-        return min(cuts, key=self._miss, default=Cut((), meets_tolerance=False))
+        return min(cuts, key=self._excess, default=Cut((), meets_tolerance=False))
 
     def prepare(self, pieces: Sequence[Piece]) -> list[Portion]:
         """Returns pieces that were made elsewhere as portions, to be joined."""
@@ -140,7 +140,7 @@ class PieceCutter:
         allowed = [state for state in states if len(state) <= max_pieces]
         if not allowed:
             return Cut((), meets_tolerance=False)
-        # Joins take the pieces away from the part, so bisection finds the last state within the tolerance.
+        # Each join moves the pieces further from the part: bisection finds the last state within tolerance.
         best = Cut(self._pieces_of(allowed[0]), meets_tolerance=False)
         low, high = 0, len(allowed) - 1
         while low <= high:
@@ -158,7 +158,7 @@ class PieceCutter:
             return False
         return self._judge.is_near(pieces)
 
-    def _miss(self, cut: Cut) -> float:
+    def _excess(self, cut: Cut) -> float:
         """Returns by how much a cut is off, in tolerances."""
         return miss(self._judge.measure(cut.pieces), self._judge.tolerance)
 
@@ -178,7 +178,7 @@ class PieceCutter:
         points = evenly_spread(coarse_hull.corners, _POINT_COUNT).points
         point_area, beyond = coarse_hull.area() / _POINT_COUNT, beyond_piece(coarse_hull)
         low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-        distances = self._distances(points)
+        distances = self._distance_field(points)
         return Portion(
             surface, hull, hull.volume(), points, distances, point_area, beyond, low, high, original
         )
@@ -270,7 +270,7 @@ class PieceCutter:
     def _rough_hull_cost(self, hull: Surface) -> float:
         """Returns the cost of a hull [m²], see `Portion.cost`, from a few points."""
         points = evenly_spread(hull.corners, _ROUGH_POINT_COUNT).points
-        return hull.area() / _ROUGH_POINT_COUNT * total_excess(self._distances(points))
+        return hull.area() / _ROUGH_POINT_COUNT * total_excess(self._distance_field(points))
 
     def _join_pair(self, portions: Sequence[Portion], hulls: dict[Pair, _CommonHull]) -> list[Portion] | None:
         """Returns the portions with two of them joined at the least cost; None if no two can be joined."""

@@ -19,15 +19,15 @@ pieces always do."""
 def excluded_shape_pairs(
     touching: Mask, first_colliders: Sequence[Hashable], second_colliders: Sequence[Hashable]
 ) -> Mask:
-    """Returns the pairs of shapes (m, n) that must not collide; no pairs if the links do not touch in some
-    pose.
+    """Returns the pairs of shapes (m, n) that must not collide; no pairs if there is a
+    pose in which the links do not touch.
 
     `touching` (poses, m, n): whether each shape of the first link touches each shape of the second, pose by
     pose. `first_colliders` (m), `second_colliders` (n): the collider of which each shape is a piece.
 
     If two colliders touch in every pose, the pairs of their pieces that touch in every pose are excluded, or
     all pairs of their pieces if the other pairs touch in too many poses. If the remaining shapes of the links
-    still touch in every pose, all shapes are excluded.
+    still touch in every pose, all pairs of shapes are excluded.
     """
     excluded = np.zeros(touching.shape[1:], dtype=bool)
     if not _touch_in_every_pose(touching):

@@ -27,7 +27,7 @@ from linkwright.stages.mesh.fit import balls, capped
 from linkwright.stages.mesh.fit.kinds import (
     best_fit,
     best_fit_within,
-    first_best_fit,
+    first_of_best_fits,
     fit_with_size,
     subject_of,
 )
@@ -75,7 +75,7 @@ def best_primitive(surface: Surface, kinds: Sequence[PrimitiveKind] = CHEAPEST) 
     subject = subject_of(surface)
     if subject is None:
         return None
-    return first_best_fit([best_fit(kind, subject) for kind in kinds], subject.outline).primitive
+    return first_of_best_fits([best_fit(kind, subject) for kind in kinds], subject.outline).primitive
 
 
 def fit_kind(

@@ -66,7 +66,7 @@ class FitSubject:
     """A part to which primitives are fitted, with candidates that several kinds of primitives share."""
 
     outline: Outline
-    frames: Sequence[npt.NDArray[np.float64]]
+    frames: Sequence[Floats]
     """Frames of boxes (3, 3), with their axes as columns."""
     revolution_circles: Sequence[RevolutionCircle]
     """Circles of cylinders and capsules."""
@@ -113,11 +113,11 @@ def _refine_best(candidates: Sequence[Primitive], outline: Outline) -> Primitive
         PrimitiveFit(fit.primitive, primitive_error(fit.primitive, outline))
         for fit in coarse_fits[:fine_count]
     ]
-    best = first_best_fit(fine_fits, outline)
+    best = first_of_best_fits(fine_fits, outline)
     return PrimitiveFit(*refined(best.primitive, best.error, outline))
 
 
-def first_best_fit(fits: Sequence[PrimitiveFit], outline: Outline) -> PrimitiveFit:
+def first_of_best_fits(fits: Sequence[PrimitiveFit], outline: Outline) -> PrimitiveFit:
     """Returns the first of the fits whose error counts as equal to the smallest (`_EQUAL_ERROR_SHARE`)."""
     limit = min(fit.error for fit in fits) * (1 + _EQUAL_ERROR_SHARE) + _EQUAL_ERROR_SHARE**2 * outline.size
     return next(fit for fit in fits if fit.error <= limit)
@@ -142,7 +142,7 @@ def _boxes(subject: FitSubject) -> Iterator[Primitive]:
         yield _box(subject.outline, frame, balanced=True)
 
 
-def _box(outline: Outline, frame: npt.NDArray[np.float64], balanced: bool = False) -> Primitive:
+def _box(outline: Outline, frame: Floats, *, balanced: bool = False) -> Primitive:
     """Returns the smallest box around a part with the axes of `frame` (3, 3). `balanced`: the box protrudes
     from the part as far as it leaves the part bare."""
     coordinates = outline.hull_vertices @ frame
@@ -174,7 +174,7 @@ class _EnclosingCylinder(NamedTuple):
     radius: float
 
     @property
-    def relative_volume(self) -> float:
+    def volume_over_pi(self) -> float:
         """Volume divided by π [m³]."""
         return self.radius * self.radius * (self.silhouette.high - self.silhouette.low)
 
@@ -187,31 +187,33 @@ def _revolution_circles(
     cylinders = [
         _EnclosingCylinder(silhouette, *smallest_ball(silhouette.ring)) for silhouette in all_silhouettes
     ]
-    cylinders.sort(key=lambda cylinder: cylinder.relative_volume)
+    cylinders.sort(key=lambda cylinder: cylinder.volume_over_pi)
     for silhouette, (u, v), radius in cylinders[:_MAX_AXES]:
-        point = u * silhouette.u + v * silhouette.v
-        median_radius = levels.median_radius(outline, point, silhouette.axis, radius)
-        yield RevolutionCircle(silhouette.axis, point, radius, median_radius)
-        normal_circle = _circle_by_normals(outline, silhouette, point, radius)
+        circle_centre = u * silhouette.u + v * silhouette.v
+        median_radius = levels.median_radius(outline, circle_centre, silhouette.axis, radius)
+        yield RevolutionCircle(silhouette.axis, circle_centre, radius, median_radius)
+        normal_circle = _circle_by_normals(outline, silhouette, circle_centre, radius)
         if normal_circle is not None:
             yield normal_circle
 
 
 def _circle_by_normals(
-    outline: Outline, silhouette: Silhouette, point: Floats, radius: float
+    outline: Outline, silhouette: Silhouette, circle_centre: Floats, radius: float
 ) -> RevolutionCircle | None:
     """Returns the circle around the point on which the lines of the surface's normals meet; None if they do
-    not meet. `point` (3,), `radius` [m]: the smallest circle around the part."""
+    not meet. `circle_centre` (3,), `radius` [m]: the smallest circle around the part."""
     axis = silhouette.axis
-    centre = levels.revolution_centre(outline, axis, point, radius)
-    if centre is None:
+    normal_centre = levels.revolution_centre(outline, axis, circle_centre, radius)
+    if normal_centre is None:
         return None
     # The normals do not determine the height along the axis, which is set to 0.
-    centre = centre - axis * float(centre @ axis)
-    u_offsets = silhouette.ring[:, 0] - centre @ silhouette.u
-    v_offsets = silhouette.ring[:, 1] - centre @ silhouette.v
+    normal_centre = normal_centre - axis * float(normal_centre @ axis)
+    u_offsets = silhouette.ring[:, 0] - normal_centre @ silhouette.u
+    v_offsets = silhouette.ring[:, 1] - normal_centre @ silhouette.v
     radius = float(np.hypot(u_offsets, v_offsets).max())
-    return RevolutionCircle(axis, centre, radius, levels.median_radius(outline, centre, axis, radius))
+    return RevolutionCircle(
+        axis, normal_centre, radius, levels.median_radius(outline, normal_centre, axis, radius)
+    )
 
 
 def _cylinders(subject: FitSubject) -> Iterator[Primitive]:

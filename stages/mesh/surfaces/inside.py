@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from linkwright.stages.formats.meshes.components import components
 from linkwright.stages.formats.meshes.surface import Points, Surface
-from linkwright.stages.mesh.surfaces.rays import DIRECTIONS, LineGrid
+from linkwright.stages.mesh.surfaces.rays import DIRECTION_COUNT, LineGrid
 from linkwright.stages.mesh.surfaces.shells import Edges
 
 Integers = npt.NDArray[np.int64]
 
-_MAX_DIRECTIONS = 3
+_MAX_TRIED_DIRECTIONS = 3
 """Largest number of directions that are tried if lines meet corners of a closed surface."""
 
 
@@ -30,16 +30,18 @@ class LineGrids:
     _grids: dict[int, LineGrid] = field(default_factory=dict)
     """Index of a direction → its grid."""
 
-    def doubled_winding(self, points: Points, direction: int) -> tuple[Integers, Integers]:
-        """Returns two arrays (n,) for the lines through points (n, 3) in a direction: twice the winding
-        number, which is the sum over both halves of each line; and the exits of the whole line from the
-        surface minus its entries. `direction`: index of the direction, as in `LineGrid.of`."""
+    def count_crossings(self, points: Points, direction: int) -> tuple[Integers, Integers]:
+        """Returns two arrays (n,) for the lines through points (n, 3) in a direction: the sum of the winding
+        numbers by the two halves of each line, so twice the winding number; and the number of exits of the
+        whole line minus its entries, which is 0 for a closed surface, unless the line meets a corner.
+        `direction`: index of the direction, as in `LineGrid.of`."""
         if direction not in self._grids:
             self._grids[direction] = LineGrid.of(self.surface, direction)
         doubled = np.zeros(len(points), dtype=np.int64)
         surplus_exits = np.zeros(len(points), dtype=np.int64)
         for crossings in self._grids[direction].crossings(points):
-            # `sign` is that of the line upwards. Below the point, a ray from the point runs against the line.
+            # `sign` is 1 where the line, followed upwards, leaves the surface. The lower half of the line is
+            # followed downwards, so its signs are the opposite.
             outward_signs = np.where(crossings.above, crossings.sign, -crossings.sign)
             doubled += _sums_by_point(crossings.points, outward_signs, len(points))
             surplus_exits += _sums_by_point(crossings.points, crossings.sign, len(points))
@@ -79,10 +81,10 @@ class InsideTest:
         if not len(self.open_part.surface.triangles):
             return closed_winding > 0
         doubled_sum = sum(
-            self.open_part.doubled_winding(points, direction)[0] for direction in range(DIRECTIONS)
+            self.open_part.count_crossings(points, direction)[0] for direction in range(DIRECTION_COUNT)
         )
-        # closed_winding + doubled_sum / (2 · DIRECTIONS) > ½, in whole numbers.
-        return np.asarray(2 * DIRECTIONS * closed_winding + doubled_sum > DIRECTIONS)
+        # closed_winding + doubled_sum / (2 · DIRECTION_COUNT) > ½, in whole numbers.
+        return np.asarray(2 * DIRECTION_COUNT * closed_winding + doubled_sum > DIRECTION_COUNT)
 
     def closed_winding(self, points: Points) -> Integers:
         """Returns the winding number (n,) of the closed part of the surface at points (n, 3): 1 inside, more
@@ -93,8 +95,8 @@ class InsideTest:
         # A whole line enters a closed surface as often as it leaves. If it does not, it met a corner, where
         # rounding decides, and another direction is tried. For a point on a corner, no direction helps.
         pending = np.arange(len(points))
-        for direction in range(_MAX_DIRECTIONS):
-            doubled, surplus_exits = self.closed_part.doubled_winding(points[pending], direction)
+        for direction in range(_MAX_TRIED_DIRECTIONS):
+            doubled, surplus_exits = self.closed_part.count_crossings(points[pending], direction)
             windings[pending] = doubled // 2
             pending = pending[surplus_exits != 0]
             if not len(pending):

@@ -16,7 +16,7 @@ Indices = npt.NDArray[np.int64]
 _MAX_PAIRS = 1 << 18  # pairs of a point and a strip that are tested at once
 _MAX_LEVEL = 24
 _MAX_CELLS = 1 << 25  # of a level along each axis
-DIRECTIONS = 6  # of lines through a surface with holes
+DIRECTION_COUNT = 6  # of lines through a surface with holes
 _MAX_STRIPS = 16  # of a triangle
 _MAX_STRIPS_OVER_SIZE = 128  # of an edge as long as the whole surface
 _GOLDEN_ANGLE = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice [rad]
@@ -224,7 +224,7 @@ class _Strips:
 
 def _axes(number: int) -> Points:
     """Returns a frame (3, 3), as rows, whose last axis is the direction `number`."""
-    height = (number + 0.37) / DIRECTIONS
+    height = (number + 0.37) / DIRECTION_COUNT
     turn = 0.61 + number * _GOLDEN_ANGLE
     width = math.sqrt(1 - height * height)
     direction = [width * math.cos(turn), width * math.sin(turn), height]

@@ -21,7 +21,7 @@ class _AffineForce(NamedTuple):
     b1: float = 0.0
 
 
-_NOT_AFFINE = _AffineForce()
+_NO_CONTROLLED_FORCE = _AffineForce()
 """The value for a force that is not of this form, or that the control does not set. Its gain is 0, so that
 `holding_control` returns 0."""
 
@@ -37,6 +37,7 @@ def holding_control(actuator: Actuator, value: float, force: float) -> float:
     gain, b0, b1 = _force_by_control(actuator)
     control = 0.0
     if gain:
+        # The control of a velocity servo is its target speed, 0 at rest, whatever the force.
         actuator_force = 0.0 if actuator.type == "velocity" else force / actuator.gear
         actuator_force -= _integral_gain(actuator) * _integral(actuator, force)
         control = (actuator_force - b0 - b1 * actuator.gear * value) / gain
@@ -115,8 +116,8 @@ def _integral(actuator: Actuator, force: float) -> float:
 
 
 def _force_by_control(actuator: Actuator) -> _AffineForce:
-    """Returns the force as a function of the control, without the integral of a pid; `_NOT_AFFINE` if the
-    control does not set the force."""
+    """Returns the force as a function of the control, without the integral of a pid;
+    `_NO_CONTROLLED_FORCE` if the control does not set the force."""
     if actuator.type == "motor":
         return _AffineForce(1.0)
     if actuator.type in ("position", "pid"):
@@ -129,13 +130,14 @@ def _force_by_control(actuator: Actuator) -> _AffineForce:
     terms = dict(actuator.terms)
     if actuator.type == "general" and terms.get("dyntype", "none") in ("none", *_FILTERS):
         return _general_force(terms)
-    return _NOT_AFFINE
+    return _NO_CONTROLLED_FORCE
 
 
 def _general_force(terms: Mapping[str, str]) -> _AffineForce:
-    """Returns the force by MuJoCo's own parameters of an actuator; `_NOT_AFFINE` if its gain is not fixed."""
+    """Returns the force by MuJoCo's own parameters of an actuator; `_NO_CONTROLLED_FORCE` if its gain
+    is not fixed."""
     if terms.get("gaintype", "fixed") != "fixed":
-        return _NOT_AFFINE
+        return _NO_CONTROLLED_FORCE
     gain = _numbers(terms, "gainprm", (1.0,))[0]
     if terms.get("biastype", "none") != "affine":
         return _AffineForce(gain)

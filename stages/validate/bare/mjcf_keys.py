@@ -32,6 +32,8 @@ class _Joint:
     """A joint of the model."""
 
     name: str
+    """The name; the type for a joint without a name."""
+
     type: str
     """The type, a key of `_QPOS_COUNTS`."""
 
@@ -107,6 +109,7 @@ def _joints(document: ModelDocument, defaults: Defaults) -> Iterator[_Joint]:
         if joint_type not in _QPOS_COUNTS:
             continue
         limits = _limits(joint_type, attributes, uses_degrees) if joint_type in ("hinge", "slide") else None
+        # Messages call an unnamed joint by its type.
         yield _Joint(str(element.get("name", joint_type)), joint_type, qpos_index, limits)
         qpos_index += _QPOS_COUNTS[joint_type]
 

@@ -31,14 +31,18 @@ FILES_FOLDER, REPORTS_FOLDER, EMPTY_FOLDER = "files", "reports", "empty"
 SCENE_FILE = "scene.xml"
 """Name of a scene's file."""
 
+SIMREADY_PROFILE = ("--profile", "Robot-Body", "--version", "3.0.0")
+"""The profile of SimReady's standard by which a robot is checked."""
+
 
 @dataclass(frozen=True, slots=True)
 class ToolUse:
     """How a checker is run on a file, and how its verdict is read."""
 
     endings: tuple[str, ...]
-    """The endings of the files that the checker reads, after the robot's name. The entry `scene.xml` is a
-    whole name, that of the scene, which includes the MJCF; without a scene, the MJCF is read."""
+    """The endings of the files that the checker reads, after the robot's name. The entry `scene.xml` is
+    an exception: it is a whole file name. The scene includes the MJCF; if there is no scene, the MJCF
+    itself is read."""
 
     make_arguments: Callable[[Path, Path], list[str]]
     """Returns the arguments for a file and a folder for reports."""
@@ -52,10 +56,6 @@ def _simcheck_arguments(file: Path, reports: Path) -> list[str]:
     srdf = file.with_suffix(".srdf")
     moveit = ["--srdf", str(srdf)] if file.suffix == ".urdf" and srdf.exists() else []
     return ["check", str(file), "--no-config", "--no-cache", "--format", "json", *moveit]
-
-
-SIMREADY_PROFILE = ("--profile", "Robot-Body", "--version", "3.0.0")
-"""The profile of SimReady's standard by which a robot is checked."""
 
 
 def _simready_arguments(file: Path, reports: Path) -> list[str]:
@@ -83,19 +83,20 @@ def run_checkers(
     PATH.
     """
     for tool in tools:
-        for file in _existing_files(folder, robot_name, TOOL_USES[tool.name].endings):
+        for file_name in _existing_file_names(folder, robot_name, TOOL_USES[tool.name].endings):
             with tempfile.TemporaryDirectory(prefix="linkwright-") as temporary_folder:
                 run_folder = Path(temporary_folder).resolve()
-                # Links are copied as files, since the checker may write into its files.
+                # Symbolic links are copied as files (`copytree`'s default), and permissions are not copied
+                # (`copyfile`), since the checker may write into its files.
                 shutil.copytree(folder, run_folder / FILES_FOLDER, copy_function=shutil.copyfile)
                 # The checker's working folder is empty: in the robot's folder, a file could have the name of
                 # a module that the checker imports.
                 (run_folder / EMPTY_FOLDER).mkdir()
                 (run_folder / REPORTS_FOLDER).mkdir()
-                yield _check_file(tool, run_folder, file, environ)
+                yield _check_file(tool, run_folder, file_name, environ)
 
 
-def _existing_files(folder: Path, robot_name: str, endings: Sequence[str]) -> list[str]:
+def _existing_file_names(folder: Path, robot_name: str, endings: Sequence[str]) -> list[str]:
     """Returns the names of the robot's files with these endings (see `ToolUse.endings`) that exist."""
     names = [_file_name(folder, robot_name, ending) for ending in endings]
     return [name for name in names if (folder / name).exists()]
@@ -108,12 +109,12 @@ def _file_name(folder: Path, robot_name: str, ending: str) -> str:
     return SCENE_FILE if (folder / SCENE_FILE).exists() else f"{robot_name}.xml"
 
 
-def _check_file(tool: Tool, run_folder: Path, file: str, environ: Mapping[str, str]) -> Check:
+def _check_file(tool: Tool, run_folder: Path, file_name: str, environ: Mapping[str, str]) -> Check:
     """Runs a tool on a file, and returns its opinion as a check, which fails if the tool has no opinion."""
-    name = f"{file}: {tool.program} {tool.version(environ)}"
+    name = f"{file_name}: {tool.program} {tool.version(environ)}"
     use = TOOL_USES[tool.name]
     reports = run_folder / REPORTS_FOLDER
-    arguments = use.make_arguments(run_folder / FILES_FOLDER / file, reports)
+    arguments = use.make_arguments(run_folder / FILES_FOLDER / file_name, reports)
     try:
         output = _run_tool(tool, arguments, run_folder, environ)
     except subprocess.TimeoutExpired:

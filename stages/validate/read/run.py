@@ -8,12 +8,12 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.same.joints import compare_joints
 from linkwright.stages.validate.same.loops import compare_loops
 from linkwright.stages.validate.same.masses import compare_masses
-from linkwright.stages.validate.same.motion import compare_motion, compare_poses
+from linkwright.stages.validate.same.motion import compare_motion, compare_with_cad
 from linkwright.stages.validate.same.names import compare_names
 from linkwright.stages.validate.same.read_robot import ReadRobot, UnreadableFile
 from linkwright.stages.validate.same.relations import compare_relations
 
-CHECKS = (compare_masses, compare_poses, compare_motion, compare_joints, compare_relations, compare_loops)
+CHECKS = (compare_masses, compare_with_cad, compare_motion, compare_joints, compare_relations, compare_loops)
 """The comparisons, in the order in which the report lists them."""
 
 

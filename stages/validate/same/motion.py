@@ -18,7 +18,7 @@ from linkwright.stages.validate.same.differences import PosePair, differences
 from linkwright.stages.validate.same.read_robot import ElementKind, Poses, ReadRobot
 
 
-def compare_poses(read_robot: ReadRobot) -> Iterator[Check]:
+def compare_with_cad(read_robot: ReadRobot) -> Iterator[Check]:
     """Checks that every part is where CAD's occurrence has it, at the saved values of the dofs.
 
     Poses are relative to the root, which a file may put anywhere. Links that the joints of the file do not

@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.validate.checks.contact import false_contact
-from linkwright.stages.validate.contact_errors import MIN_FALSE_DEPTH, SALT, SLIDE_TRAVEL
+from linkwright.stages.validate.contact_errors import MIN_FALSE_DEPTH, POSES_SALT, SLIDE_TRAVEL
 from linkwright.stages.validate.model.seen_surfaces import MAX_MEASURED_POSES, SeenSurfaces, surface, winding
 from tests.support.compiled import compiled_of
 from tests.support.robots import joint, robot_with
@@ -55,7 +55,8 @@ def judged(mjcf, *excludes, maker="ladder"):
 
 def values():
     """Where the slider is at the poses of the check."""
-    return sampled_poses(ROBOT, false_contact.MAX_POSES, SLIDE_TRAVEL, home(ROBOT), SALT)["slider_joint"]
+    samples = sampled_poses(ROBOT, false_contact.MAX_POSES, SLIDE_TRAVEL, home(ROBOT), POSES_SALT)
+    return samples["slider_joint"]
 
 
 def row_of(check):

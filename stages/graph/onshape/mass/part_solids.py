@@ -32,13 +32,13 @@ class PartSolids:
         parts have equal shares of the mass. Returns None if a part has neither mass properties nor triangles,
         or if there are no parts."""
         if path not in self._bodies:
-            bodies = [self._part_body(part) for part in self.parts(path)]
+            bodies = [self._part_body(part) for part in self.part_paths(path)]
             known_bodies = [body for body in bodies if body is not None]
             is_complete = bool(known_bodies) and len(known_bodies) == len(bodies)
             self._bodies[path] = scaled(merged(known_bodies), 1.0) if is_complete else None
         return self._bodies[path]
 
-    def parts(self, path: Path) -> list[Path]:
+    def part_paths(self, path: Path) -> list[Path]:
         """Returns the paths of the parts at or below a path, sorted."""
         return self._parts_by_path.get(path, [])
 

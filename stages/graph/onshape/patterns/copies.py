@@ -11,7 +11,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 
 @dataclass(slots=True)
 class CopySeries:
-    """The copies of a pattern, and the joints that they have got so far."""
+    """The copies of a pattern, and the joints made for them so far."""
 
     pattern: Pattern
     support: Support
@@ -39,12 +39,12 @@ class CopySeries:
             return copy + occurrence[len(seed) :]
         return leaves.get(occurrence, ())
 
-    def repeats(self, owner: Path) -> bool:
+    def repeats_features_of(self, owner: Path) -> bool:
         """Tells whether mates and groups of the assembly `owner` are repeated for the copies."""
         return owner in (self.pattern.owner, self.support.level)
 
 
-def series_by_seed(
+def copy_series_by_seed(
     assembly: Assembly,
     patterns: Iterable[Pattern],
     rigid_assemblies: Collection[Path],
@@ -60,10 +60,11 @@ def series_by_seed(
     owners_with_features = {mate.ref.owner for mate in assembly.mates}
     owners_with_features |= {group.owner for group in assembly.groups}
     search = SupportSearch(assembly)
-    by_seed: dict[Path, list[CopySeries]] = {}
+    series_by_seed: dict[Path, list[CopySeries]] = {}
     for pattern in patterns:
         seeds = _seeds(assembly, pattern, log)
         images = planes.images(pattern)
+        # Without images, nothing is copied.
         support = search.support(seeds, pattern.owner, rigid_assemblies) if images else Support(pattern.owner)
         supported_copies = _supported_copies(pattern.owner, support.level, images.keys(), seeds, search)
         unsupported_copies = frozenset(images.keys() - supported_copies)
@@ -73,10 +74,10 @@ def series_by_seed(
         )
         series = CopySeries(pattern, support, images, unsupported_copies, bare_mirror_copies)
         for seed in seeds:
-            by_seed.setdefault(seed, []).append(series)
+            series_by_seed.setdefault(seed, []).append(series)
         if unsupported_copies and support.outer_title:
             _report_two_levels(pattern, support, log)
-    return by_seed
+    return series_by_seed
 
 
 def _report_two_levels(pattern: Pattern, support: Support, log: Diagnostics) -> None:
@@ -105,20 +106,24 @@ def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]
 
 
 def _supported_copies(
-    owner: Path, support_level: Path, copies: Collection[Path], seeds: Collection[Path], search: SupportSearch
+    owner: Path,
+    support_assembly: Path,
+    copies: Collection[Path],
+    seeds: Collection[Path],
+    search: SupportSearch,
 ) -> set[Path]:
     """Returns the copies that mates or groups of their own support. Mates that only join a copy to something
     that it carries do not support it.
 
-    `owner`: the pattern's assembly; `support_level`: `Support.level`, the assembly whose mates and
+    `owner`: the pattern's assembly; `support_assembly`: `Support.level`, the assembly whose mates and
     groups support the seeds.
     """
     members = {*copies, *seeds}
     supported_copies = set()
-    for level in {owner, support_level}:
+    for assembly_path in {owner, support_assembly}:
         for copy in copies:
-            if (level, copy) not in search.features_by_instance:
+            if (assembly_path, copy) not in search.features_by_instance:
                 continue
-            if search.is_supported(copy, owner, level, members):
+            if search.is_supported(copy, owner, assembly_path, members):
                 supported_copies.add(copy)
     return supported_copies

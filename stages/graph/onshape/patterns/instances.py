@@ -16,7 +16,7 @@ import networkx as nx
 
 from linkwright.stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
 from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
-from linkwright.stages.graph.onshape.patterns.copies import CopySeries, series_by_seed
+from linkwright.stages.graph.onshape.patterns.copies import CopySeries, copy_series_by_seed
 from linkwright.stages.graph.onshape.patterns.mirror_planes import Image, MirrorPlanes
 from linkwright.stages.graph.onshape.patterns.supports import Feature, node_of
 from linkwright.stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
@@ -75,7 +75,7 @@ def _with_copies_of(
     # Errors in the globs of `depth` are reported where the bodies are found.
     rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())
     mirror = keys.mirror
-    copier = _Copier(assembly, series_by_seed(assembly, patterns, rigid, planes, log), log)
+    copier = _Copier(assembly, copy_series_by_seed(assembly, patterns, rigid, planes, log), log)
     copied_mates = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     copied_groups = [copy for group in assembly.groups for copy in copier.groups(group)]
     mates, groups = [mate for mate, _ in copied_mates], [group for group, _ in copied_groups]
@@ -150,7 +150,7 @@ class _Copier:
                 seed = place[:depth]
                 if target_copies is None or seed in target_copies:
                     for series in self.by_seed.get(seed, ()):
-                        if series.repeats(owner):
+                        if series.repeats_features_of(owner):
                             seeds_by_series.setdefault(id(series), (series, {}))[1].setdefault(index, seed)
         for series, seeds in seeds_by_series.values():
             for number in range(max(len(series.pattern.copies[seed]) for seed in seeds.values())):

@@ -171,7 +171,7 @@ class MirrorPlanes:
     def _leaves(self, seed: Path, copy: Path, reflection: Array) -> dict[Path, Path] | None:
         """Returns the parts of a seed → those of its copy; None unless `reflection` (4, 4) takes each to
         another."""
-        parts, images = (list(self.solids.parts(path)) for path in (seed, copy))
+        parts, images = (list(self.solids.part_paths(path)) for path in (seed, copy))
         if self._same_part(seed, copy):
             pairs = {part: copy + part[len(seed) :] for part in parts}
             return pairs if all(self._is_image(*pair, reflection) for pair in pairs.items()) else None

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from linkwright.stages.show.preview.drawing.vectors import cross, dot, unit
+from linkwright.stages.show.preview.drawing.vectors import cross, dot, unit_vectors
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices
 
@@ -28,7 +28,7 @@ def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
     adjacent, vertex = _with_adjacent(corners, geom, selected)
     faces = corners[adjacent]
     areas = cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    flat_normals = unit(areas)
+    flat_normals = unit_vectors(areas)
     result = np.repeat(flat_normals[: len(selected), None], 3, axis=1)
     # All corners sorted by their vertex: those of a vertex are a run of `count` from `start`.
     order = np.argsort(vertex.reshape(-1), kind="stable")
@@ -51,7 +51,7 @@ def normals_of(corners: Single, geom: Indices, selected: Indices) -> Single:
         ],
         axis=1,
     )
-    smooth_normals = unit(normal_sums.astype(np.float32))
+    smooth_normals = unit_vectors(normal_sums.astype(np.float32))
     valid = dot(smooth_normals, smooth_normals) > 0
     result.reshape(-1, 3)[valid] = smooth_normals[valid]
     return result

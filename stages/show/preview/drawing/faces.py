@@ -9,7 +9,7 @@ from linkwright.stages.show.preview.camera import Camera
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.pixels import light_of_srgb, pixel_shifts, srgb_of_light
 from linkwright.stages.show.preview.drawing.studio import LitRobot
-from linkwright.stages.show.preview.drawing.vectors import cross, dot, interpolate, unit
+from linkwright.stages.show.preview.drawing.vectors import cross, dot, interpolate, unit_vectors
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Indices, Numbers
 
@@ -48,7 +48,7 @@ class Faces:
         self.geom = surface.geom[selected]
         self._albedo = scene.albedo[self.geom]
         a, b, c = np.moveaxis(self._corners, 1, 0)
-        self.normals = unit(cross(b - a, c - a))
+        self.normals = unit_vectors(cross(b - a, c - a))
         self._shares = _shares_of(placed_corners[selected])
 
     def colours(self, camera: Camera, face: Indices, right: Numbers, down: Numbers, finer: int) -> Single:
@@ -61,13 +61,13 @@ class Faces:
         np.maximum(shares, 0.0, out=shares)
         shares /= np.maximum(shares[:, 0] + shares[:, 1] + shares[:, 2], np.float32(1e-30))[:, None]
         points = interpolate(shares, self._corners[face])
-        toward = unit(camera.position.astype(np.float32) - points)
+        toward = unit_vectors(camera.position.astype(np.float32) - points)
         normals = _facing(interpolate(shares, self._corner_normals[face]), toward)
         row, column = down.astype(np.int32) // finer, right.astype(np.int32) // finer
         light, key = self._light(
             points, normals, [pixel_shifts(row, column, turn) for turn in range(_SHIFTS)]
         )
-        half = unit(toward + scene.key.astype(np.float32))
+        half = unit_vectors(toward + scene.key.astype(np.float32))
         gloss = key * np.maximum(dot(half, normals), 0.0) ** np.float32(_SHINE)
         light += np.float32(_BOUNCE) * (np.float32(0.62) - np.float32(0.38) * normals[:, 2])
         rim = (1.0 - np.clip(dot(toward, normals), 0.0, 1.0)) ** 4
@@ -134,7 +134,7 @@ def _shares_of(picture_corners: Single) -> Single:
 def _facing(normals: Single, toward: Single) -> Single:
     """Turns normals to the viewer's side and normalizes them; a zero normal becomes the direction to the
     viewer."""
-    facing = unit(normals)
+    facing = unit_vectors(normals)
     zero_normals = np.flatnonzero(dot(facing, facing) < 0.5)
     facing[zero_normals] = toward[zero_normals]
     away = np.flatnonzero(dot(facing, toward) < 0)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.show.preview.drawing.vectors import cross, length
+from linkwright.stages.show.preview.drawing.vectors import cross, lengths_of
 from linkwright.stages.show.preview.surface import Single
 from linkwright.stages.show.raster import Numbers
 
@@ -146,12 +146,12 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     """Returns points on triangles (m, 3, 3), and the size of the cells, which grows if there would be too
     many points. A triangle smaller than a cell gets a point in its middle, a larger one a grid of points."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    edge_ab, edge_bc, edge_ca = (length(edge) for edge in (b - a, c - b, a - c))
+    edge_ab, edge_bc, edge_ca = (lengths_of(edge) for edge in (b - a, c - b, a - c))
     longest = np.where(
         edge_ab >= edge_bc, np.where(edge_ab >= edge_ca, 0, 2), np.where(edge_bc >= edge_ca, 1, 2)
     )
     size = np.maximum(np.maximum(edge_ab, edge_bc), edge_ca)
-    height = length(cross(b - a, c - a)) / np.maximum(size, np.float32(1e-12))
+    height = lengths_of(cross(b - a, c - a)) / np.maximum(size, np.float32(1e-12))
     while True:
         along = np.maximum(np.ceil(size / cell), 1)
         up = np.maximum(np.ceil(height / (2 * cell)), 1)

@@ -60,53 +60,53 @@ class _DrawnSamples(NamedTuple):
     """Share of its pixel that each sample colours."""
 
 
-def draw_picture(scene: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
+def draw_picture(robot: LitRobot, width: int, height: int, points: Numbers | None = None) -> Pixels:
     """Draws a picture (height, width, 3) that the robot fills, or that the `points` (n, 3) fill if they are
     not None. `width`, `height` [pixels]."""
-    shown_points = scene.corners.reshape(-1, 3) if points is None else points
+    shown_points = robot.corners.reshape(-1, 3) if points is None else points
     size = SAMPLES_PER_SIDE * width, SAMPLES_PER_SIDE * height
-    return render(scene, framing(shown_points, scene.backward, *size))
+    return render(robot, framing(shown_points, robot.backward, *size))
 
 
-def render(scene: LitRobot, camera: Camera) -> Pixels:
+def render(robot: LitRobot, camera: Camera) -> Pixels:
     """Draws what a camera sees (height, width, 3); each pixel merges `SAMPLES_PER_SIDE`² pixels of the
     camera.
 
     Only the nearest layer of transparent faces is drawn over the opaque faces.
     """
-    corners = camera.projected(scene.corners)
-    image = _ground(scene, camera)
-    alpha = scene.surface.colours[scene.surface.geom, 3]
+    corners = camera.projected(robot.corners)
+    image = _ground(robot, camera)
+    alpha = robot.surface.colours[robot.surface.geom, 3]
     opaque = np.flatnonzero(alpha >= _MIN_OPAQUE_ALPHA)
     # Opaque faces are drawn first, so that they are visible through transparent ones.
     if 0 < len(opaque) < len(corners):
         nearest_opaque = nearest_triangles(corners[opaque], camera.width, camera.height)
-        _paint(image, scene, camera, corners, np.where(nearest_opaque < 0, -1, opaque[nearest_opaque]))
-    _paint(image, scene, camera, corners, nearest_triangles(corners, camera.width, camera.height))
+        _paint(image, robot, camera, corners, np.where(nearest_opaque < 0, -1, opaque[nearest_opaque]))
+    _paint(image, robot, camera, corners, nearest_triangles(corners, camera.width, camera.height))
     return np.asarray(np.rint(image * 255.0).astype(np.uint8))
 
 
-def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, triangles: Indices) -> None:
+def _paint(image: Single, robot: LitRobot, camera: Camera, corners: Single, shown_triangles: Indices) -> None:
     """Draws triangles over an image (height, width, 3) in sRGB.
 
-    `corners` (m, 3, 3): the scene's triangles in the camera's picture; `triangles`: the triangle that each
-    sample shows, or -1; a sample is a pixel of the camera's picture.
+    `corners` (m, 3, 3): the robot's triangles in the camera's picture; `shown_triangles`: the triangle that
+    each sample shows, or -1; a sample is a pixel of the camera's picture.
     """
     side = SAMPLES_PER_SIDE
     width = image.shape[1]
     # One array per sample position in a pixel, row by row: the triangle that this sample shows, for all
     # pixels.
     triangles_by_sample = [
-        triangles[row::side, column::side].ravel() for row in range(side) for column in range(side)
+        shown_triangles[row::side, column::side].ravel() for row in range(side) for column in range(side)
     ]
     pixels = np.flatnonzero(functools.reduce(np.maximum, triangles_by_sample) >= 0)
     if not len(pixels):
         return
     triangle_of_sample = np.stack(
-        [shown_triangles[pixels] for shown_triangles in triangles_by_sample], axis=1
+        [sample_triangles[pixels] for sample_triangles in triangles_by_sample], axis=1
     )
     visible_triangles, face_of_sample = _number_faces(triangle_of_sample, len(corners))
-    faces = Faces(scene, corners, visible_triangles)
+    faces = Faces(robot, corners, visible_triangles)
     samples = _drawn_samples(face_of_sample, faces)
     face_indices = face_of_sample[samples.pixel_rows, samples.sample_indices]
     rows, columns = np.divmod(pixels[samples.pixel_rows], width)
@@ -114,7 +114,7 @@ def _paint(image: Single, scene: LitRobot, camera: Camera, corners: Single, tria
     sample_columns = side * columns + samples.sample_indices % side
     # Half a pixel further is the middle of the sample.
     colours = faces.colours(camera, face_indices, sample_columns + 0.5, sample_rows + 0.5, side)
-    alpha = scene.surface.colours[scene.surface.geom[visible_triangles], 3][face_indices]
+    alpha = robot.surface.colours[robot.surface.geom[visible_triangles], 3][face_indices]
     _blend(image.reshape(-1, 3), pixels, samples, colours, alpha)
 
 
@@ -173,7 +173,7 @@ def _drawn_samples(face_of_sample: Indices, faces: Faces) -> _DrawnSamples:
     )
 
 
-def _ground(scene: LitRobot, camera: Camera) -> Single:
+def _ground(robot: LitRobot, camera: Camera) -> Single:
     """Draws the background (height, width, 3) in sRGB, with the robot's shadow on the ground.
 
     The shadow is soft, so it is computed for larger pixels, and then enlarged.
@@ -181,26 +181,26 @@ def _ground(scene: LitRobot, camera: Camera) -> Single:
     image_width, image_height = camera.width // SAMPLES_PER_SIDE, camera.height // SAMPLES_PER_SIDE
     # Both are rounded up.
     width, height = -(-image_width // _SHADOW_PIXEL_SIZE), -(-image_height // _SHADOW_PIXEL_SIZE)
-    sky_shade, key_shade = _shades(scene, camera, width, height).reshape(2, height, width)
+    sky_shade, key_shade = _shades(robot, camera, width, height).reshape(2, height, width)
     blurred_shade = blur(sky_shade, _SKY_BLUR) + blur(key_shade, _KEY_BLUR)
     shade = enlarge(blurred_shade, _SHADOW_PIXEL_SIZE)[:image_height, :image_width]
     brightness = 1.0 - np.float32(_SHADOW_DARKNESS) * shade[:, :, None]
     return np.asarray(_BACKGROUND * brightness, dtype=np.float32)
 
 
-def _shades(scene: LitRobot, camera: Camera, width: int, height: int) -> Single:
+def _shades(robot: LitRobot, camera: Camera, width: int, height: int) -> Single:
     """Returns the light that the ground misses (2, height * width), as a share of all light, for each pixel
     of the shadow: first the light of the sky, then the key light."""
     rows, columns = np.divmod(np.arange(height * width), width)
-    points, is_ground = _ground_points(scene, camera, rows, columns)
+    points, is_ground = _ground_points(robot, camera, rows, columns)
     # The robot has the radius 1 about the origin (`studio`), so distances are in radii.
     distances = np.sqrt((points[:, :2] ** 2).sum(axis=1))
     pixels = np.flatnonzero(is_ground & (distances < _FADE_END))
     ground_points = np.ascontiguousarray(points[pixels].astype(np.float32).T)
     shifts = pixel_shifts(rows[pixels], columns[pixels])
-    full_light = sum(lamp.power * lamp.direction[2] for lamp in scene.lamps)
+    full_light = sum(lamp.power * lamp.direction[2] for lamp in robot.lamps)
     shades = np.zeros((2, len(points)), dtype=np.float32)
-    for lamp in scene.lamps:
+    for lamp in robot.lamps:
         is_dark = ~lamp.reaches(ground_points, shifts, _SHADOW_SLACK)
         shades[int(lamp.is_key), pixels] += is_dark * np.float32(lamp.power * lamp.direction[2] / full_light)
     # Far shadows fade, so that none is cut off at the picture's edge.
@@ -208,7 +208,7 @@ def _shades(scene: LitRobot, camera: Camera, width: int, height: int) -> Single:
     return shades
 
 
-def _ground_points(scene: LitRobot, camera: Camera, rows: Indices, columns: Indices) -> tuple[Numbers, Flags]:
+def _ground_points(robot: LitRobot, camera: Camera, rows: Indices, columns: Indices) -> tuple[Numbers, Flags]:
     """Returns the points (n, 3) of the ground at pixels of its shadow, and whether each pixel shows the
     ground. If it does not, its point has no meaning."""
     step = SAMPLES_PER_SIDE * _SHADOW_PIXEL_SIZE
@@ -216,6 +216,6 @@ def _ground_points(scene: LitRobot, camera: Camera, rows: Indices, columns: Indi
     goes_down = rays[:, 2] < -_MIN_DESCENT
     # -1: behind the camera, for rays that never meet the ground.
     depth = np.divide(
-        scene.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=goes_down
+        robot.floor - camera.position[2], rays[:, 2], out=np.full(len(rays), -1.0), where=goes_down
     )
     return camera.position + depth[:, None] * rays, depth > 0

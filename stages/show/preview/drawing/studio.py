@@ -13,7 +13,7 @@ from linkwright.stages.show.preview.drawing.light import (
     sky_lamps,
 )
 from linkwright.stages.show.preview.drawing.pixels import light_of_srgb
-from linkwright.stages.show.preview.drawing.vectors import length
+from linkwright.stages.show.preview.drawing.vectors import lengths_of
 from linkwright.stages.show.preview.surface import Single, Triangles
 from linkwright.stages.show.raster import Numbers
 
@@ -60,7 +60,7 @@ def studio(surface: Triangles, backward: Numbers) -> LitRobot:
     low, high = (np.array([end(points[:, axis]) for axis in range(3)]) for end in (np.min, np.max))
     centre = (low + high) / 2
     centred_points = points - centre
-    radius = 1.001 * float(length(centred_points).max()) or 1.0
+    radius = 1.001 * float(lengths_of(centred_points).max()) or 1.0
     centred_points /= radius
     corners = centred_points.astype(np.float32).reshape(-1, 3, 3)
     floor = float(low[2] - centre[2]) / radius

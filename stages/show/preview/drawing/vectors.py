@@ -16,14 +16,14 @@ def dot(first: Array, second: Array) -> Array:
     return products
 
 
-def length(vectors: Array) -> Array:
+def lengths_of(vectors: Array) -> Array:
     """Returns the lengths (...) of vectors (..., 3)."""
     return np.asarray(np.sqrt(dot(vectors, vectors)))
 
 
-def unit(vectors: Array) -> Array:
+def unit_vectors(vectors: Array) -> Array:
     """Returns the vectors (..., 3) scaled to length 1; zero vectors stay zero."""
-    lengths = length(vectors)
+    lengths = lengths_of(vectors)
     lengths[lengths == 0] = 1
     return np.asarray(vectors / lengths[..., None])
 
@@ -36,10 +36,10 @@ def cross(first: Array, second: Array) -> Array:
     return products
 
 
-def interpolate(weights: Array, corners: Array) -> Array:
-    """Returns a point or vector (n, k) in each of n triangles: the sum of the values at the corners (n, 3, k)
-    by their weights (n, 3), which are barycentric coordinates."""
-    values: Array = weights[:, 0, None] * corners[:, 0]
-    values += weights[:, 1, None] * corners[:, 1]
-    values += weights[:, 2, None] * corners[:, 2]
+def interpolate(weights: Array, corner_values: Array) -> Array:
+    """Returns a point or vector (n, k) in each of n triangles: the sum of its `corner_values`
+    (n, 3, k) times their weights (n, 3), which are barycentric coordinates."""
+    values: Array = weights[:, 0, None] * corner_values[:, 0]
+    values += weights[:, 1, None] * corner_values[:, 1]
+    values += weights[:, 2, None] * corner_values[:, 2]
     return values

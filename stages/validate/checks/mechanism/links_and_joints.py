@@ -50,7 +50,9 @@ def _check_names(compiled: CompiledModel) -> Check:
     if robot.base.joint and not compiled.urdf and joint_index(compiled.model, robot.base.joint) < 0:
         message = f'is missing, expected "{robot.base.joint}"'
         findings.append(Finding(link(robot.root.name, urdf=False), "freejoint name", message))
-    detail = findings[0].message if findings else f"the robot's name is {robot.name}"
+    detail = f"the robot's name is {robot.name}"
+    if findings:
+        detail = f"{findings[0].element} {findings[0].attribute} {findings[0].message}"
     return compiled.within("name", float(len(findings)), 0.0, detail, findings)
 
 
@@ -61,7 +63,7 @@ def _object_dofs(compiled: CompiledModel) -> int:
         return 0
     scene_bodies = bodies_of_scene(compiled.model, compiled.robot)
     dof_count = sum(int(body) in scene_bodies for body in compiled.model.dof_bodyid)
-    # Dofs that the user's own XML gives to the robot itself are not among the objects' dofs.
+    # Not below 0: the surplus also counts dofs that the user's own XML gives to the robot itself.
     return max(0, dof_count - compiled.surplus.dofs)
 
 
@@ -73,9 +75,8 @@ def _missing_element(compiled: CompiledModel, name: str) -> Finding:
 
 
 def _joint_findings(compiled: CompiledModel) -> Iterator[Finding]:
-    """Yields a finding on each joint that the robot does not have, among them joints by which it floats
-    although the configuration fixes it. If the robot should float, but has no joint for it, the first
-    finding is on that."""
+    """Yields a finding if the robot should float and the model has no joint for that; then a finding on each
+    joint that the robot does not have, such as a free joint of a fixed robot."""
     model, robot = compiled.model, compiled.robot
     names = {name for name, *_ in joints_of(robot, compiled.urdf)}
     if not compiled.urdf and not robot.base.fixed:

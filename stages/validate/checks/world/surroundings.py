@@ -45,7 +45,7 @@ _ENUMS = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": 
 """Option that is a word in a file → MuJoCo's enumeration of its values."""
 
 _DISABLE_PREFIX = "mjDSBL_"
-"""Prefix of MuJoCo's names of flags that disable something, before the name of the flag."""
+"""Prefix of the names of MuJoCo's disable flags."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -57,12 +57,12 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if scene.ground is None:
         yield _scene_check(compiled, "ground", "the build has no ground", ())
     else:
-        passed_text = "the ground is where the build put it, with its friction"
-        yield _scene_check(compiled, "ground", passed_text, few(_ground_differences(compiled, scene.ground)))
-    passed_text = (
+        ground_text = "the ground is where the build put it, with its friction"
+        yield _scene_check(compiled, "ground", ground_text, few(_ground_differences(compiled, scene.ground)))
+    physics_text = (
         "gravity, medium, time step, integrator and solver are those with which the robot was judged"
     )
-    yield _scene_check(compiled, "physics", passed_text, few(_option_differences(compiled, scene)))
+    yield _scene_check(compiled, "physics", physics_text, few(_option_differences(compiled, scene)))
 
 
 def _scene_check(
@@ -135,22 +135,24 @@ def _option_differences(compiled: CompiledModel, scene: Scene) -> Iterator[Findi
     user's own XML adds an element with options or flags."""
     if any(change.added_tags & {"option", "flag"} for change in compiled.written.amendments.changes):
         return
-    options, expected = compiled.model.opt, _expected_options(scene)
+    options, expected_options = compiled.model.opt, _expected_options(scene)
     for attribute in _OPTIONS:
         # Some options are missing in other versions of MuJoCo.
         if compiled.sets(attribute) or not hasattr(options, attribute):
             continue
-        actual, wanted = getattr(options, attribute), getattr(expected, attribute)
+        actual, expected = getattr(options, attribute), getattr(expected_options, attribute)
         # The absolute tolerance is far below the smallest settings, such as a solver's tolerance of 1e-8.
-        if np.allclose(actual, wanted, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE**2):
+        if np.allclose(actual, expected, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE**2):
             continue
         enum = _ENUMS.get(attribute)
         if enum:
-            actual, wanted = _enum_word(enum, actual), _enum_word(enum, wanted)
-        yield differs("option", attribute, actual, wanted)
+            actual, expected = _enum_word(enum, actual), _enum_word(enum, expected)
+        yield differs("option", attribute, actual, expected)
     for bit in mujoco.mjtDisableBit.__members__.values():
         flag = bit.name.removeprefix(_DISABLE_PREFIX).lower()
-        is_off, expected_off = (bool(int(option.disableflags) & int(bit)) for option in (options, expected))
+        is_off, expected_off = (
+            bool(int(option.disableflags) & int(bit)) for option in (options, expected_options)
+        )
         # The enumeration also has the number of its flags, without the prefix.
         if bit.name.startswith(_DISABLE_PREFIX) and is_off != expected_off and not compiled.sets(flag):
             words = ("disabled" if off else "enabled" for off in (is_off, expected_off))
