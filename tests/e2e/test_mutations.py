@@ -221,6 +221,7 @@ ADDED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thing", "name"), [*zip(ADDED, cycle(BUILDS))])
 def test_what_is_put_beside_the_robot_raises_no_alarm(thing, name, builds, tmp_path):
     """By all checks, with the ground moved along itself, under another name and look; also in the copy of the

@@ -22,6 +22,8 @@ from tests.e2e.test_traps import ROBOT, URDF
 from tests.support.command import called, environment, robot_files, run_in
 from tests.unit.pipeline.test_cli import HEAVY
 
+pytestmark = pytest.mark.slow
+
 TETRAHEDRON = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
 MOTOR = "title: Strong\nvalues: {effort: {value: 3, source: own, kind: measured}}\n"
 MORE = """actuators: {"*": {motor: strong}}

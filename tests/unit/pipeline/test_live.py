@@ -21,7 +21,7 @@ ARM = f"""<robot name="arm">
 </robot>"""
 SCENE = "linkwright.stages.show.live.scene.pack_of"
 
-pytestmark = [pytest.mark.e2e, pytest.mark.usefixtures("whole_page")]
+pytestmark = [pytest.mark.slow, pytest.mark.e2e, pytest.mark.usefixtures("whole_page")]
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, OnshapeServer
 from tests.fake_onshape.settable import configured_stand
 from tests.support.command import called, environment
 
-pytestmark = pytest.mark.e2e
+pytestmark = [pytest.mark.slow, pytest.mark.e2e]
 
 LEGS = ("200 mm", "0.3 m", "0.4 m")
 STAND = ("name=stand", "until=graph", "page.preview=none")

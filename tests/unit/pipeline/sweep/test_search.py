@@ -18,6 +18,8 @@ from linkwright.pipeline.sweep.search import MAX_VALUES, Trials, corners
 from tests.support.command import called, environment, linkwright
 from tests.support.users import write
 
+pytestmark = pytest.mark.slow
+
 TOY = '''
 """Ternary search over the first interval; tries the values of `extra` first."""
 import json
