@@ -7,7 +7,7 @@ that the command line alone composes.
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -250,7 +250,7 @@ def is_in_modules(target: str, modules: Iterable[str]) -> bool:
 
 def trust_problems(
     tree: Mapping[str, Any],
-    typed_keys: Iterable[str],
+    typed_keys: Collection[str],
     files: Iterable[Path],
     environ: Mapping[str, str],
     command_text: str,
@@ -262,7 +262,7 @@ def trust_problems(
     """
     values = {key: _value_at(tree, key, safe_value) for key, safe_value in SAFE_VALUES.items()}
     unsafe_keys = [key for key, value in values.items() if value != SAFE_VALUES[key]]
-    untrusted_keys = [key for key in unsafe_keys if key not in set(typed_keys)]
+    untrusted_keys = [key for key in unsafe_keys if key not in typed_keys]
     if not untrusted_keys or are_trusted(files, environ):
         return []
     return [
