@@ -114,7 +114,7 @@ class PieceCutter:
         whole = self._judge.surface
         cuts: list[Cut] = []
         for start in itertools.chain([[whole]], cut_into_sectors(whole)):
-            cut = self.join(self._cut_to_tolerance(self._portions_of(start)))
+            cut = self.join(self._cut_to_tolerance(self._portions_of(start)), MAX_PIECES)
             if cut.meets_tolerance:
                 return cut
             cuts += [cut] if cut.pieces else []
@@ -129,7 +129,7 @@ class PieceCutter:
         pairs = zip(hulls, originals, strict=True)
         return [self._make_portion(hull, hull, original) for hull, original in pairs]
 
-    def join(self, portions: Sequence[Portion], max_pieces: int = MAX_PIECES) -> Cut:
+    def join(self, portions: Sequence[Portion], max_pieces: int) -> Cut:
         """Joins, again and again, the two portions whose common hull stands out least, and returns the fewest
         pieces that are within the tolerance, at most `max_pieces`. If no pieces are, returns those after the
         first joins that leave at most `max_pieces`."""
