@@ -114,7 +114,7 @@ class PieceCutter:
         whole = self._judge.surface
         cuts: list[Cut] = []
         for start in itertools.chain([[whole]], cut_into_sectors(whole)):
-            cut = self.join(self._cut_to_tolerance(self._portions_of(start)), MAX_PIECES)
+            cut = self.join(self._cut_to_tolerance(self._portions_of(start)))
             if cut.meets_tolerance:
                 return cut
             cuts += [cut] if cut.pieces else []
@@ -129,15 +129,15 @@ class PieceCutter:
         pairs = zip(hulls, originals, strict=True)
         return [self._make_portion(hull, hull, original) for hull, original in pairs]
 
-    def join(self, portions: Sequence[Portion], max_pieces: int) -> Cut:
+    def join(self, portions: Sequence[Portion], max_pieces: int | None = None) -> Cut:
         """Joins, again and again, the two portions whose common hull stands out least, and returns the fewest
-        pieces that are within the tolerance, at most `max_pieces`. If no pieces are, returns those after the
-        first joins that leave at most `max_pieces`."""
+        pieces that are within the tolerance, at most `max_pieces` (None: `MAX_PIECES`). If no pieces are,
+        returns those after the first joins that leave at most that many."""
         states = [[*portions]]
         hulls: dict[Pair, _CommonHull] = {}
         while len(states[-1]) > 1 and (next_state := self._join_pair(states[-1], hulls)):
             states.append(next_state)
-        allowed = [state for state in states if len(state) <= max_pieces]
+        allowed = [state for state in states if len(state) <= (max_pieces or MAX_PIECES)]
         if not allowed:
             return Cut((), meets_tolerance=False)
         # Each join moves the pieces further from the part: bisection finds the last state within tolerance.

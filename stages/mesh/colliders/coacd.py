@@ -22,7 +22,7 @@ def make(surfaces: Sequence[Surface], settings: CoacdSettings) -> Collision:
 
 
 def improve(surfaces: Sequence[Surface], settings: CoacdSettings, hull_collider: Collision) -> Collision:
-    """Makes at most 16 pieces; a surface that CoACD cannot take is cut by planes."""
+    """Makes at most `MAX_PIECES` pieces; a surface that CoACD cannot take is cut by planes."""
     judge = Judge.of(join_surfaces(surfaces), settings.tolerance)
     if isinstance(judge, str):
         return hull_collider.with_note(judge)
