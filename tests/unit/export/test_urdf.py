@@ -326,7 +326,9 @@ def test_merged_links_move_weigh_and_stand_as_they_did(tmp_path):
     dofs = [dof.name for dof in robot.dofs]
     engines = [(Pinocchio(kept.read_bytes()), Pinocchio(merged.read_bytes())), (Mujoco(kept), Mujoco(merged))]
     rng = np.random.default_rng(7)
-    for before, after in engines:
+    # MuJoCo 3.3.3 diagonalises the inertia of the merged link with an error of 2.5e-9.
+    old_mujoco = tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 4)
+    for (before, after), error in zip(engines, (1e-9, 1e-8 if old_mujoco else 1e-9), strict=True):
         for _ in range(5):
             q = some_values(robot, rng)
             old, new = before.poses(q), after.poses(q)
@@ -336,8 +338,8 @@ def test_merged_links_move_weigh_and_stand_as_they_did(tmp_path):
                 assert np.abs(new[name] - old[name]).max() < 1e-9
                 assert np.abs(new[name] - own[name]).max() < 1e-9
             inertia = after.mass_matrix(q, dofs)
-            assert np.abs(inertia - before.mass_matrix(q, dofs)).max() < 1e-9
-            assert np.abs(inertia - mass_matrix(robot, q)).max() < 1e-9
+            assert np.abs(inertia - before.mass_matrix(q, dofs)).max() < error
+            assert np.abs(inertia - mass_matrix(robot, q)).max() < error
             assert np.abs(after.gravity(q, dofs) - before.gravity(q, dofs)).max() < 1e-9
     places = [np.array(sorted(engine.data.geom_xpos.tolist())) for engine in engines[1]]
     assert len(places[0]) == 10
