@@ -1,5 +1,6 @@
 """Makes the findings of checks, which name an element, an attribute, and the actual and expected value."""
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -58,6 +59,12 @@ def shown(value: object) -> str:
         ROUNDING * float(np.abs(numbers[np.isfinite(numbers)]).max(initial=0.0)) if len(numbers) > 1 else 0.0
     )
     return " ".join(f"{0.0 if abs(number) <= least else float(number):.8g}" for number in numbers)
+
+
+def largest_error(errors: Iterable[float]) -> float:
+    """Returns the largest of the errors; 0 without errors. NaN counts as infinite, so that it passes no
+    check: Python's `max` skips a NaN that is not the first value."""
+    return max((math.inf if math.isnan(error) else error for error in errors), default=0.0)
 
 
 def worst_first(findings: Iterable[tuple[float, Finding]]) -> tuple[Finding, ...]:

@@ -21,7 +21,7 @@ from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.robot.system.regular_files import is_file
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.bare.mjcf_figures import body_name
-from linkwright.stages.validate.findings import named, unstable
+from linkwright.stages.validate.findings import largest_error, named, unstable
 from linkwright.stages.validate.reading.asset_files import referenced_files
 from linkwright.stages.validate.reading.documents import ModelDocument
 from linkwright.stages.validate.simulate.running import MAX_START_DEPTH, Touching, touching
@@ -214,7 +214,7 @@ def _open_equalities(model: Any, data: Any) -> Iterator[Finding]:
     worst: dict[int, float] = {}
     for row in rows:
         equality = int(data.efc_id[row])
-        worst[equality] = max(worst.get(equality, 0.0), abs(float(data.efc_pos[row])))
+        worst[equality] = largest_error((worst.get(equality, 0.0), abs(float(data.efc_pos[row]))))
     for equality, error in sorted(worst.items(), key=lambda item: -item[1]):
         if error > LOOP_TOLERANCE:
             kind = mujoco.mjtEq(model.eq_type[equality]).name.removeprefix("mjEQ_").lower()

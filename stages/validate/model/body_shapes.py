@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.robot.model.robot import Array
+from linkwright.stages.validate.findings import largest_error
 from linkwright.stages.validate.model.poses import rotation
 from linkwright.stages.validate.model.shapes import vertices
 
@@ -103,11 +104,12 @@ def _volume(points: Array) -> float:
 
 
 def outside(shape: BodyExtents, point: Array) -> float:
-    """Returns a lower bound of the distance [m] of a point (3,) from the hull; 0 within the hull."""
+    """Returns a lower bound of the distance [m] of a point (3,) from the hull; 0 within the hull, infinity
+    for a NaN."""
     axes = directions()
     along, of_point = shape.points @ axes.T, axes @ point
     beyond = np.maximum(of_point - along.max(axis=0), along.min(axis=0) - of_point)
-    return max(0.0, float(beyond.max()))
+    return largest_error((0.0, float(beyond.max())))
 
 
 def reaches(shape: BodyExtents, centre: Array, axes: Array) -> Array:

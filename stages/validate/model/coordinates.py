@@ -23,6 +23,7 @@ from linkwright.stages.robot.model.poses import (
 )
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint, Robot, Value
 from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.findings import largest_error
 from linkwright.stages.validate.model.poses import placed
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -198,9 +199,10 @@ def placed_by_site(model: Any, link: str) -> Array:
 
 
 def distance(actual: Array, expected: Array, *, unresolved: float = 0.0) -> float:
-    """Returns the larger of the offset [m] and the angle [rad, for small angles] between two poses (4, 4).
-    Angles up to `unresolved` count as 0."""
+    """Returns the larger of the offset [m] and the angle [rad, for small angles] between two poses (4, 4);
+    infinity if a pose has a NaN. The angle is reduced by `unresolved`."""
     difference = actual - expected
-    return max(
-        math.hypot(*difference[:3, 3]), float(np.linalg.norm(difference[:3, :3])) / math.sqrt(2) - unresolved
-    )
+    offset = math.hypot(*difference[:3, 3])
+    # For a turn by a small angle, the norm of the difference is √2 times the angle.
+    angle = float(np.linalg.norm(difference[:3, :3])) / math.sqrt(2)
+    return largest_error((offset, angle - unresolved))

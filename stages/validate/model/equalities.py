@@ -11,7 +11,7 @@ from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Loop, Robot
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import differs, named, shown, worst_first
+from linkwright.stages.validate.findings import differs, largest_error, named, shown, worst_first
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, ENGINE_TOLERANCE
 from linkwright.stages.validate.model.poses import placed
 
@@ -75,7 +75,7 @@ def open_equalities(model: Any, data: Any) -> tuple[Finding, ...]:
     widest: dict[int, float] = {}
     for row in rows:
         index = int(data.efc_id[row])
-        widest[index] = max(widest.get(index, 0.0), abs(float(data.efc_pos[row])))
+        widest[index] = largest_error((widest.get(index, 0.0), abs(float(data.efc_pos[row]))))
     findings = []
     for index, value in widest.items():
         kind = mujoco.mjtEq(int(model.eq_type[index])).name.removeprefix("mjEQ_").lower()

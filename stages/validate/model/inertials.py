@@ -165,7 +165,8 @@ def _gyration(body: ShapedInertial) -> _Judgement:
     radius = 1e3 * math.sqrt(max(0.0, body.moments[worst]) / body.mass)
     message = f"its radius of gyration is {radius:.3g} mm, but its shape reaches {1e3 * reach[worst]:.3g} mm"
     message += f" from that axis{_guess((share / TYPICAL_GYRATION) ** 2)}"
-    return _judgement(body, share, share > IMPOSSIBLE_GYRATION, "inertia", message)
+    # NaN is impossible too.
+    return _judgement(body, share, not share <= IMPOSSIBLE_GYRATION, "inertia", message)
 
 
 def _guess(factor: float) -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from linkwright.stages.robot.model.robot import Array, Inertial, Link
+from linkwright.stages.validate.findings import largest_error
 
 TOLERANCE = 1e-9
 """Tolerance of the mass (relative), the centre of mass [m] and the inertia (relative to the tensor's largest
@@ -31,15 +32,17 @@ class MassProperties(NamedTuple):
 def differences(
     actual: MassProperties, expected: MassProperties, inertia_allowance: float = 0.0
 ) -> dict[str, float]:
-    """Returns the difference of each quantity, in the units of `UNITS`. `inertia_allowance`: the relative
-    error of the inertia that is ignored."""
+    """Returns the difference of each quantity, in the units of `UNITS`; infinity if a value is NaN. The
+    difference of the inertia is reduced by `inertia_allowance`. Without an expected mass, the centre of mass
+    has no meaning and differs by 0, and other differences are absolute."""
     largest_entry = float(np.abs(expected.inertia).max()) or 1.0
     tensor_error = float(np.abs(actual.inertia - expected.inertia).max()) / largest_entry
-    return {
+    values = {
         "mass": abs(actual.mass - expected.mass) / (expected.mass or 1.0),
         "centre of mass": float(np.linalg.norm(actual.com - expected.com)) if expected.mass else 0.0,
-        "inertia": max(0.0, tensor_error - inertia_allowance),
+        "inertia": tensor_error - inertia_allowance,
     }
+    return {quantity: largest_error((0.0, value)) for quantity, value in values.items()}
 
 
 def expected_mass_properties(link: Link, massless_inertial: Inertial | None = None) -> MassProperties:

@@ -11,7 +11,7 @@ import numpy as np
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Dof, Joint
-from linkwright.stages.validate.findings import differs, few, offset_and_angle, pose_findings
+from linkwright.stages.validate.findings import differs, few, largest_error, offset_and_angle, pose_findings
 from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, distance
 from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
@@ -58,10 +58,10 @@ def _of_joint(read: ReadRobot, joint: Joint, pairs: list[tuple[Array, ...]]) -> 
         for pose, expected_pose in spread
     ]
     scalars = [dof for dof in joint.dofs if dof.kind in ("turn", "slide")]
-    if joint.dofs and not max(value for pair in errors for value in pair) <= least:
+    if joint.dofs and largest_error(value for pair in errors for value in pair) > least:
         dof = next((scalar for scalar in scalars if not _same_axis(read, joint, scalar)), joint.dofs[0])
         element, axis = read.element("joint", dof.name), read.axis(dof)
-        is_turned = not max(angle for _, angle in errors) <= least
+        is_turned = largest_error(angle for _, angle in errors) > least
         if axis is None:
             attributes = f"{words.place[0]}, {words.axis}"
             yield Finding(element, attributes, "moves its child differently than the robot's")

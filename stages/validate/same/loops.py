@@ -18,7 +18,6 @@ def compare_loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
         for loop in read.robot.loops:
             for place in read.loop_poses(loop, q):
                 value = np.inf if place.pose is None else distance(place.pose, place.expected)
-                value = np.inf if np.isnan(value) else value
                 if not value < worst:
                     worst, worst_loop = value, loop.name
                 for finding in _findings(place, loop.name, read.precision.pose):

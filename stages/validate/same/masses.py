@@ -72,8 +72,11 @@ def _finding(
         return differs(
             element, f"{words.inertia}{name}", pairs[0][worst_entry], pairs[1][worst_entry], "kg m²"
         )
-    moments = [np.linalg.eigvalsh(tensor) for tensor in (actual.inertia, expected.inertia)]
     size, axes = words.moments
+    # NaN has no eigenvalues.
+    if not np.isfinite(actual.inertia).all():
+        return Finding(element, size, "is not a finite number")
+    moments = [np.linalg.eigvalsh(tensor) for tensor in (actual.inertia, expected.inertia)]
     if float(np.abs(moments[0] - moments[1]).max()) <= exact * float(np.abs(moments[1]).max()):
         return Finding(element, axes, "turns the principal axes of inertia differently than expected")
     return differs(element, size, moments[0], moments[1], "kg m², by size")

@@ -3,7 +3,6 @@
 The robot's own kinematics is the reference for motion: it was compared with CAD at the saved pose.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -36,12 +35,10 @@ def compare_with_cad(read_robot: ReadRobot) -> Iterator[Check]:
         for part in link.parts:
             root_from_part = root_from_link[link.name] @ part.link_from_part
             error = distance(root_from_part, root_from_cad @ part.world_from_part)
-            # NaN, the error of a missing link, is not greater than any number, but counts as the largest.
-            error = math.inf if math.isnan(error) else error
             if error >= worst_error:
                 worst_error, worst_part, worst_link = error, part.name, link.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {worst_part}"
-    limit = max(CAD_ERROR, precision.pose * _pose_scale(read_robot, root_from_link))
+    limit = max(CAD_ERROR, precision.pose * _pose_scale(read_robot, link_poses(robot, q)))
     findings: tuple[Finding, ...] = ()
     if worst_error > limit:
         message = f"its part {worst_part} is {shown(worst_error)} m or rad from CAD's occurrence"
@@ -57,13 +54,11 @@ def compare_motion(read_robot: ReadRobot) -> Iterator[Check]:
     worst_error, worst_name, pairs = 0.0, "", pose_pairs(read_robot)
     for pair in pairs:
         for name, error in _pose_errors(read_robot, pair):
-            # NaN is not greater than any number, but counts as the largest error.
-            error = math.inf if math.isnan(error) else error
             if error > worst_error:
                 worst_error, worst_name = error, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
     limit, findings = read_robot.precision.pose, tuple[Finding, ...]()
-    if not worst_error <= limit:
+    if worst_error > limit:
         kind: ElementKind = "frame" if worst_name in pairs[0].actual.frames else "link"
         message = f"is {shown(worst_error)} m or rad from where the robot has it"
         findings = differences(read_robot, pairs) or (

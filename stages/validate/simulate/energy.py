@@ -1,11 +1,13 @@
 """Measures how well the engine keeps the energy of a robot that only gravity moves."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 
 from linkwright.stages.mujoco.state import at_keyframe
+from linkwright.stages.validate.findings import largest_error
 from linkwright.stages.validate.model.coordinates import DOFS_OF_TYPE, FREE, SLIDE
 from linkwright.stages.validate.simulate.running import PASSIVE, flags, seeded_numbers, with_options
 
@@ -77,9 +79,10 @@ def _drift(model: Any, step: float) -> float:
             mujoco.mj_step(model, data, steps)
             mujoco.mj_forward(model, data)
             largest = max(largest, float(data.energy[1]))
-            off_by = max(off_by, abs(float(data.energy.sum()) - start))
-            if not off_by < float("inf"):
-                return float("inf")
+            # Here NaN must count as infinite, since the largest value is kept.
+            off_by = largest_error((off_by, abs(float(data.energy.sum()) - start)))
+            if off_by == math.inf:
+                return math.inf
     return off_by / largest / (SAMPLES * steps * step) if largest else 0.0
 
 

@@ -168,7 +168,7 @@ def _of_mesh(
         yield Finding(element, f"{which} references", f"has no points, expected those of {in_robot.file}")
         return
     difference = float(np.abs(np.subtract(shape.bounds, in_robot.bounds)).max())
-    if difference > BOUNDS_TOLERANCE * max(1.0, float(np.abs(in_robot.bounds).max())):
+    if not difference <= BOUNDS_TOLERANCE * max(1.0, float(np.abs(in_robot.bounds).max())):
         message = f"its bounds are {shown(1e3 * difference)} mm off those of {in_robot.file}"
         yield Finding(element, f"{which} references", message)
         return

@@ -3,11 +3,13 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from linkwright.stages.validate.checks.mechanism import hinge_axes
 from linkwright.stages.validate.checks.mechanism.inertial import check
 from linkwright.stages.validate.checks.mechanism.mass_ratio import check as ratios
+from linkwright.stages.validate.model.coordinates import distance
 from tests.support.compiled import compiled_of, only, world_of
 from tests.support.robots import joint, robot_with
 
@@ -30,6 +32,12 @@ def box(mass=MASS, inertia=1.0, com=(0.3, 0.4, 0.5)):
     )
     geom = f'<geom type="box" size="{size}" pos=".3 .4 .5"/>'
     return list(check(world_of(body(mass, place, moments, geom))))
+
+
+def test_nan_of_a_rotation_is_no_small_distance():
+    turned = np.eye(4)
+    turned[0, 0] = np.nan
+    assert distance(turned, np.eye(4)) == math.inf
 
 
 FIT, DENSITY, CENTRE = "inertia fits the shape", "density of matter", "centre of mass in the shape"

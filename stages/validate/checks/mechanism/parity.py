@@ -27,7 +27,7 @@ from linkwright.stages.validate.dynamics.mass_probes import own_sizes, probes
 from linkwright.stages.validate.dynamics.mujoco_features import principal_axes_error
 from linkwright.stages.validate.dynamics.random_poses import samples
 from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot, scalar_dofs
-from linkwright.stages.validate.findings import link, named, shown, worst_first
+from linkwright.stages.validate.findings import largest_error, link, named, shown, worst_first
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, DOFS_OF_TYPE, KINDS
 
 TOLERANCE = 1e-9
@@ -96,7 +96,7 @@ def _parity_check(
 ) -> Check:
     robot, urdf = compiled.robot, compiled.urdf
     pose_errors = _pose_errors(computed.poses, expected.poses)
-    largest = {"poses": max(pose_errors.values())}
+    largest = {"poses": largest_error(pose_errors.values())}
     findings = [
         (value, Finding(link(name, urdf), "origin" if urdf else "pos", f"its pose is off by {shown(value)}"))
         for name, value in pose_errors.items()
@@ -122,7 +122,7 @@ def _parity_check(
     figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in largest.items())
     left_out = f"{_left_out(robot, carried, added)}{note}"
     detail = f"against the robot's own at {len(expected.bias)} poses: {figures}{left_out}"
-    worst = max(largest.values())
+    worst = largest_error(largest.values())
     return compiled.within(f"parity in {engine}", worst, TOLERANCE, detail, worst_first(findings))
 
 

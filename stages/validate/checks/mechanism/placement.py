@@ -10,7 +10,15 @@ from linkwright.stages.mujoco.state import keyframe_of
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import few, link, named, offset_and_angle, pose_findings, shown
+from linkwright.stages.validate.findings import (
+    few,
+    largest_error,
+    link,
+    named,
+    offset_and_angle,
+    pose_findings,
+    shown,
+)
 from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, ORIENTATIONS, distance, root_pose
 from linkwright.stages.validate.model.poses import placed
 
@@ -58,7 +66,7 @@ def _in_keyframes(
         numbers = model.key_qpos[key][at : at + 7]
         pose = placed(numbers[3:], numbers[:3])
         distance, angle = offset_and_angle(pose, expected)
-        worst = max(worst, distance, angle)
+        worst = largest_error((worst, distance, angle))
         if not distance <= CAD_ERROR:
             message = f"puts {root} at {shown(pose[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
             findings.append(Finding(named("key", name), "qpos", message))

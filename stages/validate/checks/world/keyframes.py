@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.robot import Configuration, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import HOME, SAVED, keyframes
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import few, named, shown, worst_first
+from linkwright.stages.validate.findings import few, largest_error, named, shown, worst_first
 from linkwright.stages.validate.model.coordinates import (
     ENGINE_TOLERANCE,
     distance,
@@ -112,4 +112,4 @@ def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> flo
     root_from_world = inverse(root_pose(model, data, robot))
     for name, expected in link_poses(robot, pose).items():
         differences.append(distance(root_from_world @ link_pose(model, data, robot, name), expected))
-    return max(differences, default=0.0)
+    return largest_error(differences)

@@ -11,7 +11,7 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Sensor
 from linkwright.stages.robot.model.sensing import SensorCamera
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import differs, few, named, worst_first
+from linkwright.stages.validate.findings import differs, few, largest_error, named, worst_first
 from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, body_from_link, placed_by_site
 from linkwright.stages.validate.model.poses import placed
 
@@ -52,7 +52,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         differences = [
             (_pose_difference(compiled, *mount), _misplaced(compiled, *mount)) for mount in mounted
         ]
-        worst = max(value for value, _ in differences)
+        worst = largest_error(value for value, _ in differences)
         places = worst_first(row for row in differences if not row[0] <= ENGINE_TOLERANCE)
         detail = f"{len(mounted)} places of sensors and cameras"
         yield compiled.within("places of sensors", worst, ENGINE_TOLERANCE, detail, places)
