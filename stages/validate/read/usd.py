@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from functools import partial
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -190,7 +191,8 @@ class ReadUsd(ReadRobot):
         """Tells whether a general joint frees the same motions as the loop, within its limits."""
         expected = {_freed(dof): _ends(dof) for dof in loop.dofs}
         return joint.free.keys() == expected.keys() and all(
-            end == limit or abs(end - limit) <= SINGLE_PRECISION * max(1.0, abs(limit))
+            # Without the test of `end` or `limit`, a finite end would equal an infinite limit.
+            end == limit or (isfinite(limit) and abs(end - limit) <= SINGLE_PRECISION * max(1.0, abs(limit)))
             for key in expected
             for end, limit in zip(joint.free[key], expected[key], strict=True)
         )
@@ -236,7 +238,7 @@ class ReadUsd(ReadRobot):
         size = max(1.0, *(float(np.abs(pose[:3, 3]).max()) for pose in expected.values()))
         for link, pose in expected.items():
             value = distance(from_root @ placed_bodies[link], pose, unresolved=ARC_COSINE) / size
-            if not value <= worst:
+            if value > worst:
                 worst, worst_link = value, link
         message = f"is {shown(worst)} m or rad from where the robot has it"
         finding = Finding(self.element("link", worst_link), "xformOp:transform", message)

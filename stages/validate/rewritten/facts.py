@@ -64,7 +64,9 @@ def same(value: Value, expected: Value, least: float = 0.0) -> bool:
         scale = max((least, *filter(math.isfinite, numbers)))
         return all(same(*pair, scale) for pair in zip(value, expected, strict=True))
     if isinstance(value, float) and isinstance(expected, float):
-        return value == expected or abs(value - expected) <= TOLERANCE * max(least, abs(expected))
+        tolerance = TOLERANCE * max(least, abs(expected))
+        # The tolerance of an infinite number would be infinite.
+        return value == expected or (math.isfinite(expected) and abs(value - expected) <= tolerance)
     if isinstance(value, str) and isinstance(expected, str):
         return value.split() == expected.split()
     return type(value) is type(expected) and value == expected

@@ -127,6 +127,18 @@ def test_every_loop_of_a_usd_passes_every_check(kind, shifted, tmp_path):
     assert failed("usd", replace(robot, loops=(shut,)), tmp_path) == []
 
 
+def test_limit_of_a_usd_on_a_motion_that_is_free_is_found(tmp_path):
+    shut = loop("planar", "one", "base", np.eye(4), np.eye(4), name="shut")
+    robot = replace(robot_with([joint("ball", "base", "one")]), loops=(shut,))
+    written = exported_file("usd", robot, tmp_path)
+    assert all(outcomes("usd", written, tmp_path).values())
+    limit = "float limit:transX:physics"
+    ends = f"{limit}:low = -1\n{limit}:high = 1\n"
+    (fault,) = table("usd", ("a limit", sub('PhysicsJoint "shut".*?{', r"\g<0>" + ends), "loops"))
+    fault.change(tmp_path, "robot")
+    assert not outcomes("usd", written, tmp_path)["loops"]
+
+
 @pytest.mark.parametrize("folder", ["", "model://robot/"])
 def test_mesh_of_an_sdf_that_is_not_there_is_found(folder, tmp_path):
     mesh = f"<mesh><uri>{folder}assets/one.stl</uri></mesh>"

@@ -37,6 +37,7 @@ SAME = {
 OTHER = {
     "a.xml": ('<a><b x="1"/></a>', '<a><b x="2"/></a>', "x"),
     "whole.yaml": ("rate: 100.0\n", "rate: 100\n", ""),
+    "infinite.yaml": ("limit: .inf\n", "limit: 5.0\n", ""),
     "row.yaml": ("joints: [a, b]\n", "joints: [b, a]\n", ""),
     "a.toml": ('[a]\nx = "1"\n', "[a]\nx = 1\n", "x"),
     "a.json": ('{"x": [1, 2]}', '{"x": [1, 2, 3]}', ""),
