@@ -277,11 +277,11 @@ class _Process:
             status = self._process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
             return "gave no reply"
-        # `pipeline.checking.guest` bounds its processor time by ITIMER_PROF, which sends SIGPROF.
-        if -status == getattr(signal, "SIGPROF", 0):
-            return "used more processor time than the sizes of its files explain"
         if status < 0:
             name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
+            # `pipeline.checking.guest` bounds its processor time by ITIMER_PROF, which sends SIGPROF.
+            if name == "SIGPROF":
+                return "used more processor time than the sizes of its files explain"
             return f"crashed ({name})"
         lines = self._error_output.decode("utf-8", "replace").strip().splitlines()
         return f"failed ({lines[-1][:_MAX_LINE_LENGTH]})" if lines else f"ended with status {status}"

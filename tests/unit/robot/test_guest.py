@@ -95,6 +95,12 @@ def test_end_of_a_guest_is_reported_in_words(run_guest, lines, said):
     assert said in str(caught.value)
 
 
+def test_guest_without_a_profiling_timer_ends_with_its_status(run_guest, monkeypatch):
+    monkeypatch.delattr("signal.SIGPROF", raising=False)
+    with pytest.raises(Ended, match="ended with status 0"):
+        run_guest("import os\nos._exit(0)")
+
+
 def test_slow_guest_ends_with_all_that_it_started(run_guest, tmp_path):
     place = tmp_path / "pids"
     with pytest.raises(Ended, match="took longer than 1 s"):
