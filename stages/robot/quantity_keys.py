@@ -1,6 +1,7 @@
 """Reads keys that are lengths or angles: numbers in SI, or texts with a unit, such as "25 mm" and "-90
 deg"."""
 
+import math
 import re
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -59,6 +60,8 @@ def quantity(text: str, *measures: Measure) -> TypedNumber:
         is_what = "unknown" if unit_entry is None else f"a unit of {unit_entry[1]}"
         raise invalid(f"{expected}: {unit!r} is {is_what}; units are {names}")
     typed_number = TypedNumber(float(number) * unit_entry[0])
+    if not math.isfinite(typed_number):
+        raise invalid(f"{expected}: it is too large")
     typed_number.measure, typed_number.typed = unit_entry[1], text
     return typed_number
 

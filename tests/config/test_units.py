@@ -73,6 +73,7 @@ UNITS = "units are nm, um, mm, cm, m, in, ft, ..."
     ("3 parsec", f"{LENGTH}: 'parsec' is unknown; {UNITS} (given '3 parsec')"),
     ("3 deg", f"{LENGTH}: 'deg' is a unit of angle; {UNITS} (given '3 deg')"),
     ("mm", f"{LENGTH} (given 'mm')"),
+    ("1e999 mm", f"{LENGTH}: it is too large (given '1e999 mm')"),
     ("-3 mm", "must be greater than 0 (given '-3 mm')"),
     (True, "must be a number (given true)"),
 ])  # fmt: skip
@@ -91,6 +92,13 @@ def test_a_number_that_yaml_takes_for_text_comes_with_its_form(tree, key, hint):
 
     only = problem(**yaml.load(tree, Loader=get_yaml_loader()))
     assert (only.code, only.where, only.hint) == ("E-VALUE", key, hint)
+
+
+@pytest.mark.parametrize("limits", [["-1e999 deg", 1], [-1, "1e308 rev"]])
+def test_limit_that_is_not_finite_is_an_error(limits):
+    only = problem(joints={"elbow": {"limits": limits}})
+    assert (only.code, only.where[:19]) == ("E-VALUE", "joints.elbow.limits")
+    assert "it is too large" in only.message
 
 
 def test_limits_of_a_hinge_and_its_keyframes_are_angles():
