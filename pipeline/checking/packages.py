@@ -35,7 +35,7 @@ def _check_package(folder: Path, truth: Truth, name: str, files: dict[str, bytes
     other_files = {path: data for path, data in expected.items() if path not in copies}
     current = truth.packages[name].writer == VERSION
     urdf = f"{truth.written.robot.name}.urdf"
-    changes = () if urdf in files else truth.written.amendments.of(urdf)
+    changes = () if urdf in files else truth.written.amendments.changes_of(urdf)
     yield from rewritten(folder, other_files, copies=False, current=current, changes=changes)
     yield from rewritten(folder, copies, copies=True, current=current)
 

@@ -15,7 +15,7 @@ from linkwright.stages.fetch.section import SOURCES
 from linkwright.stages.fetch.source_section import ADDRESS
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.section import NOT_YET, Section
-from linkwright.stages.robot.text.printable import on_a_line
+from linkwright.stages.robot.text.printable import join_lines
 
 GLOBAL = "# @package _global_"
 """The first line of a file whose keys start at the top of the tree."""
@@ -51,7 +51,7 @@ def shown(value: Any) -> str:
     """Returns a value as errors show it: short, and as in YAML."""
     if value is None or isinstance(value, bool):
         return str(value).lower().replace("none", "null")
-    text = repr(on_a_line(value))
+    text = repr(join_lines(value))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -101,7 +101,7 @@ def _missing(dof: Dof, *, limits_only: bool) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     is_unlimited = (dof.limits.lower, dof.limits.upper) == (None, None)
     if is_unlimited and not dof.limits.origin.unknown and not WHEEL.search(dof.name):
-        middle = dof.mate_value.of(dof.saved)
+        middle = dof.mate_value.to_mate(dof.saved)
         reach = _LIMIT_REACHES[dof.kind]
         keys["limits"] = [round(middle - reach, 3), round(middle + reach, 3)]
     if limits_only:

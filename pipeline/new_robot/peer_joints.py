@@ -71,7 +71,7 @@ def _add_limits(joints: dict[str, Any], dof: Dof, limits: Any) -> None:
     """Adds limits to the entry of a joint, as values of the mate: in onshape-to-robot they count from the
     saved pose."""
     if isinstance(limits, Sequence) and len(limits) == 2 and dof.kind in ("turn", "slide"):
-        ends = sorted(round(dof.mate_value.of(float(end)), 9) for end in limits)
+        ends = sorted(round(dof.mate_value.to_mate(float(end)), 9) for end in limits)
         joints.setdefault(exact_glob(dof.name), {})["limits"] = ends
 
 

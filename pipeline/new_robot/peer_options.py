@@ -14,7 +14,7 @@ from linkwright.pipeline.new_robot.peer_joints import converted_joints
 from linkwright.pipeline.reference.peers import ONSHAPE_TO_ROBOT
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.text.globs import exact_glob, without_number
-from linkwright.stages.robot.text.names import legal
+from linkwright.stages.robot.text.names import legal_name
 
 SOURCE_OPTIONS = (
     *("url", "document_id", "version_id", "workspace_id", "element_id", "configuration"),
@@ -72,7 +72,7 @@ class Conversion:
         return sorted(
             name
             for name in names
-            if fnmatchcase(name.lower(), lower_glob) or fnmatchcase(legal(name), lower_glob)
+            if fnmatchcase(name.lower(), lower_glob) or fnmatchcase(legal_name(name), lower_glob)
         )
 
 

@@ -9,7 +9,7 @@ from linkwright.pipeline.config.choices import default_robot_name
 from linkwright.pipeline.config.presets import OURS
 from linkwright.pipeline.errors import ConfigError
 from linkwright.stages.robot.system import regular_files
-from linkwright.stages.robot.text.names import legal
+from linkwright.stages.robot.text.names import legal_name
 
 SHIPPED = tuple(sorted(file.stem for file in (OURS / "robot").glob("*.yaml")))
 """The robots of the package, whose names no other robot can have."""
@@ -51,11 +51,11 @@ def robot_name(name: str, source: Mapping[str, Any], title: str = "") -> str:
 
     Raises ConfigError for a name that no robot's file can have.
     """
-    new_name = name or legal(title) or default_robot_name(source)
+    new_name = name or legal_name(title) or default_robot_name(source)
     where = "new"
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]*", new_name):
         msg = f"a robot's name has letters, digits, _ and - only, got {name!r}"
-        hint = f"for example {legal(name) or 'my_arm'}"
+        hint = f"for example {legal_name(name) or 'my_arm'}"
         raise ConfigError(msg, where, hint)
     if new_name.lower() in (*SHIPPED, "scene"):
         msg = f"{new_name!r} is the name of a robot or file of Linkwright"

@@ -159,7 +159,7 @@ class Run:
         details: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
         if isinstance(error, LinkwrightError):
             details |= {"message": error.message, "where": error.where, "hint": error.hint}
-            details["problems"] = codec.plain(error.problems)
+            details["problems"] = codec.plain_data(error.problems)
         return self.report(status="failed", exit_status=exit_status(error), error=details)
 
     def report(self, **fields: Any) -> Report:

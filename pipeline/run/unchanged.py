@@ -98,7 +98,7 @@ def remember(action: Action, command: Command, observations: Observations, built
         return
     record = _record_of(built, observations.answers)
     outputs = {
-        _RECORD: json.dumps(codec.plain(record)).encode(),
+        _RECORD: json.dumps(codec.plain_data(record)).encode(),
         CONFIG: built.documents[CONFIG],
         _PAGE: run.page(record.report, built.files, BuildChanges()).encode(),
         **({} if run.live_view.pack is None else {_PACK: run.live_view.pack}),

@@ -104,7 +104,7 @@ def notes(
     """Returns the notes of a stage as JSON: summary, diagnostics, figures and further `entries`."""
     content = {
         "summary": summary,
-        "diagnostics": codec.plain(diagnostics),
+        "diagnostics": codec.plain_data(diagnostics),
         "figures": figures or {},
         **entries,
     }

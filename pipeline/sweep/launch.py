@@ -229,9 +229,9 @@ class _JobFunction:
         is_worker = os.getpid() != self._starter
         if is_worker:
             garbage.collect_rarely()
-        with process_usage.at_most(self._processors):
+        with process_usage.limited_processors(self._processors):
             result = self._task(int(HydraConfig.get().job.num))
         if is_worker:
             # joblib collects garbage each second, and would traverse all modules each time.
-            garbage.spare_present()
+            garbage.freeze_present_objects()
         return result

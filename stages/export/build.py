@@ -24,7 +24,7 @@ from linkwright.stages.export.variants.build import make_variants
 from linkwright.stages.export.writer import Exported, FormatFiles, WriterInput
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.geometry import Geometry
@@ -117,7 +117,7 @@ def _written(
     driven_actuation, of_actuators = driven(written, keys, standing)
     actuation = actuation_of(keys.target.chosen, driven_actuation)
     of_actuators = (*of_actuators, *_for_targets(keys, driven_actuation, actuation))
-    robot = as_driven(robot, actuation)
+    robot = with_actuation(robot, actuation)
     sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form.fused)
     written = replace(
         written,

@@ -12,9 +12,9 @@ from linkwright.stages.export.urdf.lowering import lower, unset_limits
 from linkwright.stages.formats.robot_json import FORMAT, VERSION
 from linkwright.stages.formats.robot_json.codec import write
 from linkwright.stages.formats.robot_json.files import (
-    LoweredJointRecord,
     MergedLinkRecord,
     OrderRecord,
+    SplitJointRecord,
     UrdfPackageRecord,
 )
 from linkwright.stages.formats.robot_json.joints import (
@@ -59,7 +59,7 @@ def describe(
         loops=[_loop(written, loop, estimated) for loop in robot.loops],
         frames=[FrameRecord.from_model(frame, urdf=frames[frame.name]) for frame in robot.frames],
         lowered=[
-            LoweredJointRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.between)
+            SplitJointRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.between)
             for item in lower(robot)
             if item.between
         ],

@@ -19,7 +19,7 @@ from linkwright.stages.formats.robot_json.robot import RobotRecord
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.model.amendments import Amendments
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement
 from linkwright.stages.robot.model.robot import Joint, Link, Robot
@@ -73,7 +73,7 @@ def described(data: bytes) -> Truth:
     _require_inside(robot.name, *record.files, *folders)
     actuation = record.actuation.to_model()
     written = Written(
-        robot=as_driven(robot, actuation),
+        robot=with_actuation(robot, actuation),
         actuation=actuation,
         geometry=record.geometry,
         urdf_form=UrdfForm(

@@ -13,9 +13,9 @@ from linkwright.stages.formats.urdf.names import UrdfNames, urdf_names
 from linkwright.stages.formats.urdf.srdf_form import SrdfForm
 from linkwright.stages.formats.urdf.urdf_robot import urdf_robot
 from linkwright.stages.robot import codec
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.dynamics.fused_geometry import fused_geometry
-from linkwright.stages.robot.dynamics.fusing import Holders, holders, on_fixed_joints
+from linkwright.stages.robot.dynamics.fusing import Holders, holders, links_on_fixed_joints
 from linkwright.stages.robot.model.actuation import NONE, Actuation
 from linkwright.stages.robot.model.amendments import UNCHANGED, Amendments
 from linkwright.stages.robot.model.geometry import Geometry
@@ -74,7 +74,7 @@ class Written:
     @cached_property
     def as_urdf(self) -> FormatView:
         """The robot that the URDF describes."""
-        held = holders(self.robot, on_fixed_joints(self.robot) if self.urdf_form.merged else ())
+        held = holders(self.robot, links_on_fixed_joints(self.robot) if self.urdf_form.merged else ())
         return FormatView(urdf_robot(self.robot, self.urdf_form, held), held)
 
     @cached_property
@@ -113,6 +113,6 @@ def encode(written: Written) -> bytes:
 
 def decode(data: bytes, robot: Robot, geometry: Geometry) -> Written:
     """Returns the value from the output of `encode`, `robot`, as the graph stage made it, and `geometry`."""
-    field_types, table = codec.hints(Written), orjson.loads(data)
+    field_types, table = codec.field_types_of(Written), orjson.loads(data)
     added: dict[str, Any] = {name: codec.typed(field_types[name], value) for name, value in table.items()}
-    return Written(as_driven(robot, added["actuation"]), geometry=geometry, **added)
+    return Written(with_actuation(robot, added["actuation"]), geometry=geometry, **added)

@@ -52,7 +52,7 @@ def assemble(bundle: Bundle, keys: GraphSections, read: MechanismReader) -> Robo
     robot = with_actuation(robot, mechanism, log)
     robot = with_semantics(robot, mechanism.semantics)
     robot = with_mjcf(robot, mechanism, keys, log)
-    return replace(robot, diagnostics=tuple(log.found))
+    return replace(robot, diagnostics=tuple(log.notes))
 
 
 def _tree(mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Tree:

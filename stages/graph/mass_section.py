@@ -12,12 +12,12 @@ from linkwright.stages.robot.section import NonNegative, Number, Positive, Secti
 def _require_physical_inertia(values: tuple[float, ...]) -> tuple[float, ...]:
     """Returns the values; raises an error of validation unless a solid can have this inertia."""
     # Imported late, since this loads numpy, and most configurations set no inertia.
-    from linkwright.stages.robot.dynamics.inertia import SPECK, is_physical, tensor
+    from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL, is_physical, tensor
 
     if len(values) not in (3, 6):
         raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")
     # The mass does not matter here.
-    if not is_physical(replace(SPECK, mass=1.0, inertia=tensor(values))):
+    if not is_physical(replace(TINY_INERTIAL, mass=1.0, inertia=tensor(values))):
         raise invalid("must be the inertia of a solid: positive moments, none above the sum of the other two")
     return values
 

@@ -175,7 +175,7 @@ def _disconnected_error(
     mechanism: Mechanism, root: int, islands: list[list[int]], log: Diagnostics
 ) -> Disconnected:
     bodies = mechanism.bodies
-    problems = [diagnostic for diagnostic in log.found if diagnostic.code in IDLE_FEATURE_CODES]
+    problems = [diagnostic for diagnostic in log.notes if diagnostic.code in IDLE_FEATURE_CODES]
     for island in islands:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))

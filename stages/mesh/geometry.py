@@ -147,7 +147,7 @@ def _select_shapes(robot: Robot, source_kind: str, sections: "MeshSections") -> 
         raise MeshError("the configuration names links or parts that do not exist", problems=log.problems)
     # `part_choices` needs the shapes that `ignore` removes: its globs match them too.
     links = [with_shown_shapes(link, sections.ignore) for link in links]
-    return _Selection(links, choices, excluded, fine_link_names, log.found)
+    return _Selection(links, choices, excluded, fine_link_names, log.notes)
 
 
 def _make_meshes(inputs: _Inputs, show_progress: "Shown | None") -> _MadeMeshes:

@@ -5,14 +5,14 @@ from collections.abc import Callable, Sequence
 from linkwright.stages.formats.xml import Element
 
 
-def put_in_place(include: Element, content: Sequence[Element]) -> None:
+def replace_include(include: Element, content: Sequence[Element]) -> None:
     """Replaces an <include> by the elements of `content`."""
     parent = include.getparent()
     place = parent.index(include)
     parent[place : place + 1] = list(content)
 
 
-def resolve(root: Element, read: Callable[[Element], Element | None]) -> None:
+def replace_includes(root: Element, read: Callable[[Element], Element | None]) -> None:
     """Replaces all includes of a document, and the includes of the included files. `read`: returns the root
     of the file that an <include> names, or None to include nothing."""
     queue = list(root.iter("include"))
@@ -22,4 +22,4 @@ def resolve(root: Element, read: Callable[[Element], Element | None]) -> None:
             continue
         included = read(include)
         queue += [] if included is None else included.iter("include")
-        put_in_place(include, [] if included is None else list(included))
+        replace_include(include, [] if included is None else list(included))

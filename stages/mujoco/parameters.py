@@ -22,7 +22,7 @@ _FIELDS_OF_DOFS = {"damping": "dof_damping", "friction": "dof_frictionloss", "ar
 """Parameter → the field that holds it for each degree of freedom."""
 
 
-def of_joint(model: Any, joint: int) -> Parameters:
+def joint_parameters(model: Any, joint: int) -> Parameters:
     """Yields the parameters of a joint; nothing for a free joint."""
     dof_count = _DOFS_BY_TYPE.get(mujoco.mjtJoint(int(model.jnt_type[joint])))
     if dof_count is None:
@@ -35,7 +35,7 @@ def of_joint(model: Any, joint: int) -> Parameters:
         yield "effort", tuple(("jnt_actfrcrange", (joint, k)) for k in range(2))
 
 
-def of_actuator(model: Any, actuator: int) -> Parameters:
+def actuator_parameters(model: Any, actuator: int) -> Parameters:
     """Yields the gains of an actuator that have a name, and its limits."""
     yield from _gains(model, actuator)
     yield from _limits(model, actuator)

@@ -5,17 +5,17 @@ from typing import Any
 import mujoco
 
 
-def keyframe_of(model: Any, name: str) -> int:
+def keyframe_index(model: Any, name: str) -> int:
     """Returns the index of the keyframe of this name; -1 without such a keyframe."""
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name))
 
 
 def at_keyframe(model: Any, name: str = "home") -> Any:
     """Returns the data at a keyframe, with its controls; at qpos0 without a keyframe of this name."""
-    return at_key(model, keyframe_of(model, name))
+    return at_keyframe_index(model, keyframe_index(model, name))
 
 
-def at_key(model: Any, key: int) -> Any:
+def at_keyframe_index(model: Any, key: int) -> Any:
     """Returns the data at the keyframe of this index; at qpos0 for -1."""
     data = mujoco.MjData(model)
     if key >= 0:

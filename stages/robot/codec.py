@@ -28,7 +28,7 @@ REPLIES = "replies/"
 
 def dump(value: object) -> bytes:
     """Returns a value as JSON, one key a line, so that files compare well."""
-    return orjson.dumps(plain(value), option=orjson.OPT_INDENT_2) + b"\n"
+    return orjson.dumps(plain_data(value), option=orjson.OPT_INDENT_2) + b"\n"
 
 
 def load(kind: type[T], data: bytes) -> T:
@@ -37,15 +37,15 @@ def load(kind: type[T], data: bytes) -> T:
     return value
 
 
-def plain(value: Any) -> Any:
+def plain_data(value: Any) -> Any:
     """Returns a value as plain data: dataclasses as mappings, tuples and arrays as lists, everything else
     unchanged."""
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: plain_data(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple | list):
-        return [plain(item) for item in value]
+        return [plain_data(item) for item in value]
     if isinstance(value, Mapping):
-        return {key: plain(item) for key, item in value.items()}
+        return {key: plain_data(item) for key, item in value.items()}
     if hasattr(value, "tolist"):
         return value.tolist()
     return value
@@ -59,7 +59,7 @@ def _model() -> Any:
 
 
 @functools.cache
-def hints(kind: type) -> dict[str, Any]:
+def field_types_of(kind: type) -> dict[str, Any]:
     """Returns the types of a dataclass's fields. A module that must not import numpy names the model's
     classes for the type checker alone: those are looked up in the model."""
     try:
@@ -71,7 +71,7 @@ def hints(kind: type) -> dict[str, Any]:
 def typed(kind: Any, data: Any) -> Any:
     """Returns `data` from JSON as the annotated type `kind`."""
     if isinstance(kind, type) and is_dataclass(kind):
-        field_types = hints(kind)
+        field_types = field_types_of(kind)
         return kind(**{key: typed(field_types[key], item) for key, item in data.items()})
     origin = get_origin(kind)
     if origin is tuple:
@@ -116,7 +116,7 @@ def _option(kind: Any, data: Any) -> Any:
         return options[0]
     if isinstance(data, dict):
         classes = [option for option in options if isinstance(option, type) and is_dataclass(option)]
-        return next(option for option in classes if data.keys() <= hints(option).keys())
+        return next(option for option in classes if data.keys() <= field_types_of(option).keys())
     return next(option for option in options if (get_origin(option) is tuple) == isinstance(data, list))
 
 
@@ -133,7 +133,7 @@ def decode_robot(data: bytes) -> "Robot":
 
 def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
     """Returns `geometry.json` and one file per mesh."""
-    table = {name: getattr(geometry, name) for name in hints(Geometry) if name != "files"}
+    table = {name: getattr(geometry, name) for name in field_types_of(Geometry) if name != "files"}
     files = {ASSETS + name: data for name, data in geometry.files.items()}
     return {"geometry.json": dump(table), **files}
 
@@ -141,7 +141,7 @@ def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
 def decode_geometry(files: Mapping[str, bytes], meshes: bool = True) -> Geometry:
     """Returns the geometry; without `meshes` its files are not read, and it has none."""
     table = orjson.loads(files["geometry.json"])
-    field_types = hints(Geometry)
+    field_types = field_types_of(Geometry)
     names = [name for name in files if meshes and name.startswith(ASSETS)]
     return Geometry(
         files={name.removeprefix(ASSETS): files[name] for name in names},
@@ -163,7 +163,7 @@ def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
     """Returns the bundle; `blobs` reads a file only when asked, where `files` does."""
     manifest = orjson.loads(files["manifest.json"])
     kind = OnshapeBundle if "studios" in manifest else FileBundle
-    field_types = hints(kind)
+    field_types = field_types_of(kind)
     values = {key: typed(field_types[key], item) for key, item in manifest.items()}
     return kind(**values, blobs=Blobs(files))
 

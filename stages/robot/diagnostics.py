@@ -12,7 +12,7 @@ from linkwright.stages.robot.text.plural import count
 class Diagnostics:
     """The diagnostics of a stage."""
 
-    found: list[Diagnostic] = field(default_factory=list)
+    notes: list[Diagnostic] = field(default_factory=list)
     """Warnings and information, for the report."""
     problems: list[Diagnostic] = field(default_factory=list)
     """Errors (codes E-), which end the build."""
@@ -38,7 +38,7 @@ class Diagnostics:
     def add(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Adds existing diagnostics, each to `problems` or `found` by its level."""
         for diagnostic in diagnostics:
-            (self.problems if diagnostic.level == "error" else self.found).append(diagnostic)
+            (self.problems if diagnostic.level == "error" else self.notes).append(diagnostic)
 
     def raise_errors(self) -> None:
         """Raises AssemblyError with all problems so far, if there are any."""

@@ -115,7 +115,7 @@ class CompiledModel:
     @property
     def recolours(self) -> bool:
         """Tells whether the user's own XML changes the robot's look in this file."""
-        changes = self.written.amendments.of(self.path.name)
+        changes = self.written.amendments.changes_of(self.path.name)
         return any(LOOKS & {*change.sets, *change.added_tags, tag_of(change.target)} for change in changes)
 
     @property

@@ -58,7 +58,7 @@ def check_files(
                 user_checks = ()
                 # A scene includes the engine's first file, and so the user's changes to it.
                 changed_files = [file, *files[:1]] if file == SCENE else [file]
-                changes = written.amendments.of(*changed_files)
+                changes = written.amendments.changes_of(*changed_files)
                 yield from (_with_changes(check, changes) for check in results)
 
 
@@ -67,10 +67,10 @@ def check_texts(folder: Path, written: Written) -> Iterator[Check]:
     robot, amendments = written.robot.name, written.amendments
     models = [file for engine in ENGINES for file in engine.files(robot)]
     # Files that the user's own XML names may be of any package.
-    packages = None if amendments.of(f"{robot}.urdf") else (written.urdf_form.package,)
+    packages = None if amendments.changes_of(f"{robot}.urdf") else (written.urdf_form.package,)
     for check in check_folder(folder, models, (f"{robot}{ending}" for ending in UNREAD_ENDINGS), packages):
         file = check.name.partition(":")[0]
-        yield _with_changes(check, amendments.of(file) if file in models else ())
+        yield _with_changes(check, amendments.changes_of(file) if file in models else ())
     yield from model_config(folder, robot)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.stages.formats.described import described
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import write
@@ -47,7 +47,7 @@ def comes_back(document, root, seed, **keys):
         checks = validate(Path(folder), truth.written, plan)
         before = validate(Path(folder), exported.written, plan)
     written, read = exported.written, truth.written
-    assert differences(written.robot, as_driven(robot, written.actuation), 0.0, {}) == []
+    assert differences(written.robot, with_actuation(robot, written.actuation), 0.0, {}) == []
     assert differences(written.robot, read.robot, NEAR, NOT_IN_IT) == []
     # Where links on fixed joints are merged and there are none, nothing is.
     assert differences(written.urdf_form, read.urdf_form, 1e-5, {"merged": ""}) == []

@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.stages.mesh.contacts.analysis import POSES
 from linkwright.stages.mesh.contacts.colliders import measures_overlaps
-from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.contact.left_out import FilteredPairs
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Limits
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
@@ -139,5 +139,5 @@ def test_contacts_that_mujoco_leaves_out_are_known(seed):
     shapes = tuple(Shape(name, "collision", None, None, 0, 0, 1.0, 1.0, ball(50.0)) for name in names)
     model = compiled(exported(bare, Geometry(shapes, {}, (), True)))
     touching_pairs = in_mujoco(model, bare, home(bare))
-    left_out = LeftOut(bare)
+    left_out = FilteredPairs(bare)
     assert touching_pairs == {pair for pair in combinations(names, 2) if not left_out.contains(*pair)}

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.robots import some_values
@@ -55,7 +55,7 @@ class Parity:
             if self.names:
                 mass = self.reader.mass_matrix(self.values(q), [self.joint(name) for name in self.names])
                 # Where a loop has dofs of its own, a share of a link's mass is on a carrier in the MJCF.
-                carried = any(loop.type not in POINTWISE for loop in self.robot.loops)
+                carried = any(loop.type not in POINTWISE_TYPES for loop in self.robot.loops)
                 for engine in (self.pinocchio,) if carried else (self.pinocchio, self.mujoco):
                     same(mass, engine.mass_matrix(q, self.names), self.tolerance)
         urdf = sum(inertia.mass for inertia in self.pinocchio.model.inertias)

@@ -41,7 +41,7 @@ def bodies_of(assembly, log, **keys):
 
 
 def codes(log):
-    return [problem.code for problem in (*log.problems, *log.found)]
+    return [problem.code for problem in (*log.problems, *log.notes)]
 
 
 def copies(assembly):

@@ -5,7 +5,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 
 def notes(source, code=""):
     """The problems and diagnostics; with `code`, those of this code."""
-    noted = (*source.problems, *source.found) if isinstance(source, Diagnostics) else source.diagnostics
+    noted = (*source.problems, *source.notes) if isinstance(source, Diagnostics) else source.diagnostics
     return [note for note in noted if code in ("", note.code)]
 
 

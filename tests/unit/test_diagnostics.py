@@ -130,7 +130,7 @@ def test_relation_is_corrected_where_it_was_said(kind, place):
     log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
     dof_relations(robot, [RelationSpec("Gear", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
-    (only,) = log.found
+    (only,) = log.notes
     assert only.code == "W-RELATION"
     assert [where for where in ("in Onshape", "in the file") if where in only.hint] == [place]
 
@@ -144,7 +144,7 @@ def loose(has_saved_pose):
     log = Diagnostics()
     for how in ("weld", "drop", "separate"):
         spanning_tree(drawn, GraphSections.model_validate({"root": {"disconnected": how}}), log)
-    return [*caught.value.problems, *log.found]
+    return [*caught.value.problems, *log.notes]
 
 
 def test_what_hangs_on_nothing_is_corrected_where_it_was_drawn():

@@ -61,7 +61,7 @@ def actuate(
         )
     kept = [actuator for actuator in robot.actuators if actuator.dof not in choices]
     if not choices and not kept:
-        return Actuation(), tuple(log.found)
+        return Actuation(), tuple(log.notes)
     values = postures(robot)
     couplings = Couplings(robot, values)
     order = driven_order(robot, choices, [actuator.dof for actuator in kept])
@@ -95,7 +95,7 @@ def actuate(
     report_estimates(maker, timestep, count_of(values), log)
     report_passive(robot, choices, order, log)
     report_couplings(robot, actuation, rates, [dof for dof in driven if dof in choices], log)
-    return actuation, tuple(log.found)
+    return actuation, tuple(log.notes)
 
 
 def _position_in(actuators: Sequence[Actuator]) -> Callable[[Actuator], int]:

@@ -11,7 +11,7 @@ from linkwright.stages.export.amend.documents import Documents, Refused
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.xml import Element, to_bytes
 from linkwright.stages.mujoco.compile import compiled_text
-from linkwright.stages.mujoco.includes import put_in_place
+from linkwright.stages.mujoco.includes import replace_include
 from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.robot.model.amendments import Amendment, Surplus
 from linkwright.stages.robot.text.globs import did_you_mean
@@ -30,7 +30,7 @@ def compiled(documents: Documents, role: str, meshes: Mapping[str, bytes]) -> An
     root = deepcopy(roots[role])
     include = root.find("include")
     if role == "scene" and include is not None:
-        put_in_place(include, list(deepcopy(roots["robot"])))
+        replace_include(include, list(deepcopy(roots["robot"])))
     for keyframe in root.findall("keyframe"):
         root.remove(keyframe)
     return compiled_text(to_bytes(root), meshes)

@@ -10,7 +10,7 @@ from linkwright.stages.export.writer import Case
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.urdf.names import urdf_names, urdf_steps
 from linkwright.stages.formats.usd.zeros import is_turned
-from linkwright.stages.robot.dynamics.inertia import NEXT_TO_NOTHING
+from linkwright.stages.robot.dynamics.inertia import TINY_MASS
 from linkwright.stages.robot.model.robot import Dof, Joint, Loop, Value
 from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.sdf.model import SdfPlan
     from linkwright.stages.export.usd.model import UsdPlan
 
-_SMALL_LINKS = f"links of {number(NEXT_TO_NOTHING)} kg between them"
+_SMALL_LINKS = f"links of {number(TINY_MASS)} kg between them"
 
 
 def _urdf_chains(case: Case[Any]) -> Iterator[str]:

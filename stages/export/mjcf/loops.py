@@ -23,7 +23,7 @@ from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import chain
-from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.text.names import free_name
 
 Site = tuple[str, str, Array]
@@ -142,7 +142,7 @@ def stable_solref(solref: tuple[float, float], timestep: float) -> tuple[float, 
 def _carriers(robot: Robot) -> Iterator[Carrier]:
     taken, moving = {link.name for link in robot.links}, _moving(robot)
     for loop in robot.loops:
-        if loop.type in POINTWISE:
+        if loop.type in POINTWISE_TYPES:
             continue
         name = free_name(f"{loop.name}_carrier", taken)
         taken.add(name)

@@ -23,7 +23,7 @@ from linkwright.stages.robot.model.robot import (
     Value,
 )
 from linkwright.stages.robot.motion.kinematics import link_poses
-from linkwright.stages.robot.motion.loops import CLOSED, closing_values, gap, relative_pose
+from linkwright.stages.robot.motion.loops import MAX_CLOSED_GAP, closing_values, gap, relative_pose
 from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 SdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "ball"]
@@ -195,7 +195,7 @@ def _stance(robot: Robot, start: Configuration) -> dict[str, Value]:
         dof.name: start[dof.name] if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs
     }
     poses = link_poses(robot, stands)
-    if any(gap(loop, poses) > CLOSED for loop in robot.loops):
+    if any(gap(loop, poses) > MAX_CLOSED_GAP for loop in robot.loops):
         paths = TreePaths(robot)
         on_loops = {dof.name for loop in robot.loops for dof in paths.dofs_of(loop)}
         stands |= {dof.name: start[dof.name] for dof in robot.dofs if dof.name in on_loops}

@@ -16,7 +16,7 @@ from linkwright.stages.export.sdf.section import SdfFormatSection
 from linkwright.stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
 from linkwright.stages.formats.sdf.names import SdfNames
 from linkwright.stages.formats.xml import Element, element, to_bytes
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.text.names import free_name
@@ -53,7 +53,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
     for link in robot.links:
         sdf_name = names.links[link.name]
         # SDF has no links without mass.
-        body = link.inertial if link.inertial.mass > 0 else SPECK
+        body = link.inertial if link.inertial.mass > 0 else TINY_INERTIAL
         node = write_link(model, sdf_name, body, carriers, lowered)
         sibling_names: set[str] = set()
         write_shapes(node, shapes[link.name, "visual"], "visual", assets, sibling_names)
@@ -64,7 +64,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
             if sensor.link == link.name and not sensor.is_on_joint:
                 _write_mounted(node, sensor, sibling_names, colliders)
     for name in lowered.between:
-        write_link(model, name, SPECK, carriers, lowered)
+        write_link(model, name, TINY_INERTIAL, carriers, lowered)
     if robot.base.fixed:
         base = element(model, "joint", name=names.base_joint, type="fixed")
         element(base, "parent").text = "world"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from linkwright.stages.export.sensors.mounted import MountedSensors
 from linkwright.stages.export.sensors.of_dofs import actuator_sensors, joint_sensors, requested_sensors
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.measuring import measuring
+from linkwright.stages.robot.dynamics.measuring import available_sensors
 from linkwright.stages.robot.errors import Diagnostic, ExportError
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.geometry import Geometry
@@ -34,7 +34,7 @@ def sensing_of(
     problems."""
     log = Diagnostics(optional=keys.optional)
     mounted = MountedSensors(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
-    sensors = [("", mounted.of_source(source)) for source in measuring(robot, actuation)]
+    sensors = [("", mounted.of_source(source)) for source in available_sensors(robot, actuation)]
     sensors += requested_sensors(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"
@@ -58,7 +58,7 @@ def sensing_of(
     sensing = Sensing(
         tuple(measured for _, measured in sensors), tuple(mounted.sites), tuple(mounted.cameras)
     )
-    return sensing, tuple(log.found)
+    return sensing, tuple(log.notes)
 
 
 def _check_names(sensors: list[tuple[str, Sensor]], log: Diagnostics) -> None:

@@ -136,7 +136,7 @@ class MountedSensors:
         if keys.size is not None:
             shape: ZoneShape = "sphere" if len(keys.size) == 1 else "box"
             return self._site(name, mount, link_from_site, shape, keys.size)
-        shapes = tuple(self._geometry.of(mount.link, "collision"))
+        shapes = tuple(self._geometry.shapes_of(mount.link, "collision"))
         low, high = Extents(
             Geometry(shapes, self._geometry.files), {mount.link: inverse(link_from_site)}
         ).box()

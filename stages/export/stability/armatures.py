@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from linkwright.stages.mujoco.trial import Trial
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.dynamics.mass_matrix import SPEEDS, mass_matrix
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.actuation import Actuation, Armature
 from linkwright.stages.robot.model.robot import Dof, Robot
-from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.motion.start_pose import home
 from linkwright.stages.robot.motion.tree_paths import TreePaths
 from linkwright.stages.robot.text.globs import name_list
@@ -42,10 +42,10 @@ Run = Callable[[Robot, Actuation, float], Trial | None]
 def with_armatures(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """Returns the actuation with the armatures that the robot needs, and their diagnostic. The actuation is
     unchanged if the robot needs no armature, or if no armature helps."""
-    outcome = run(as_driven(robot, actuation), actuation, 1.0)
+    outcome = run(with_actuation(robot, actuation), actuation, 1.0)
     if outcome is None or not outcome.failed:
         return actuation, ()
-    groups = _DofGroups(as_driven(robot, actuation))
+    groups = _DofGroups(with_actuation(robot, actuation))
     levels: dict[int, int] = {}
     for run_index in range(MAX_RUNS):
         failing = [groups.of[name] for name in outcome.joints if name in groups.of]
@@ -58,7 +58,7 @@ def with_armatures(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuat
             levels = {group: max(level, *higher.values()) for group, level in levels.items()}
         added = groups.armatures({group: INERTIA_SHARES[level] for group, level in levels.items()})
         steady = replace(actuation, armatures=_sorted(robot, (*actuation.armatures, *added)))
-        outcome = run(as_driven(robot, steady), steady, TRIAL_MARGIN)
+        outcome = run(with_actuation(robot, steady), steady, TRIAL_MARGIN)
         if outcome is None:
             return actuation, ()
         if not outcome.failed:
@@ -90,7 +90,7 @@ def _sorted(robot: Robot, armatures: Iterable[Armature]) -> tuple[Armature, ...]
 def _simulated_dofs(robot: Robot) -> list[Dof]:
     """Returns the dofs that the simulation has: those of the tree, and those of loops that are not closed by
     points alone."""
-    carried = [loop for loop in robot.loops if loop.type not in POINTWISE]
+    carried = [loop for loop in robot.loops if loop.type not in POINTWISE_TYPES]
     return [*robot.dofs, *(dof for loop in carried for dof in loop.dofs)]
 
 

@@ -14,7 +14,7 @@ from linkwright.stages.formats.numbers import LENGTH, TURN, number, spaced
 from linkwright.stages.formats.urdf.names import UrdfNames
 from linkwright.stages.formats.written import Written
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
-from linkwright.stages.robot.dynamics.inertia import SPECK, ZERO
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL, ZERO
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.robot import Inertial, Robot
 
@@ -24,7 +24,7 @@ def write_urdf(written: Written, keys: UrdfFormatSection | None = None) -> bytes
     keys = keys or UrdfFormatSection()
     robot, holders, geometry = written.as_urdf.robot, written.as_urdf.held, written.shapes.with_whole_visuals
     assets = _assets_of(keys, robot.name)
-    massless = SPECK if keys.frame_inertia == "tiny" else ZERO
+    massless = TINY_INERTIAL if keys.frame_inertia == "tiny" else ZERO
     root = element(None, "robot", name=robot.name)
     # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals; it reads no GLB.
     mujoco = element(root, "mujoco")
@@ -51,7 +51,7 @@ def write_urdf(written: Written, keys: UrdfFormatSection | None = None) -> bytes
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
-            write_link(root, name, SPECK, False)
+            write_link(root, name, TINY_INERTIAL, False)
     relations = {relation.follower: relation for relation in robot.relations}
     for joint in (joint for item in lowered for joint in item.joints):
         node = write_joint(root, joint)

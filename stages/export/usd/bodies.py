@@ -6,7 +6,7 @@ from linkwright.stages.export.usd.joints import UsdJoint
 from linkwright.stages.export.usd.layer import Prim, rounded
 from linkwright.stages.formats.numbers import LENGTH, rounded_tensor
 from linkwright.stages.formats.usd.names import UsdNames
-from linkwright.stages.robot.dynamics.inertia import SPECK, principal_axes
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL, principal_axes
 from linkwright.stages.robot.model.poses import at_rest, motion
 from linkwright.stages.robot.model.robot import Array, Configuration, Inertial, Robot
 from linkwright.stages.robot.motion.kinematics import link_poses
@@ -45,7 +45,7 @@ def body_poses(
 def write_mass(body: Prim, inertial: Inertial) -> None:
     """Writes the mass properties. A body without mass gets a negligible one, since engines would invent a
     mass."""
-    body_inertial = inertial if inertial.mass > 0 else SPECK
+    body_inertial = inertial if inertial.mass > 0 else TINY_INERTIAL
     body.apply("PhysicsMassAPI")
     body.number("physics:mass", body_inertial.mass)
     body.floats("physics:centerOfMass", "point3f", body_inertial.com, LENGTH)

@@ -6,7 +6,7 @@ import numpy as np
 
 from linkwright.stages.export.usd.section import UsdFormatSection
 from linkwright.stages.formats.numbers import LENGTH, number
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.robot import Array, Robot
 
 KEY = "SimReady_Metadata"
@@ -21,7 +21,7 @@ def metadata(robot: Robot, keys: UsdFormatSection, bodies: int, size: Array) -> 
     in the USD; `size` (3,) [m]: sides of the box around the robot at `home`, not finite for a robot without
     shapes."""
     extents = size if np.isfinite(size).all() else np.zeros(3)
-    total = sum(link.inertial.mass or SPECK.mass for link in robot.links)
+    total = sum(link.inertial.mass or TINY_INERTIAL.mass for link in robot.links)
     return {
         "author": keys.author,
         "asset_name": robot.name,

@@ -34,7 +34,7 @@ from linkwright.stages.export.usd.shapes import (
 from linkwright.stages.formats.usd.drives import Drives
 from linkwright.stages.formats.usd.joint_facts import JointFacts, joint_drive, joint_mimic, joint_state
 from linkwright.stages.formats.usd.names import UsdNames, identifiers
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.robot.model.poses import from_parts
@@ -122,7 +122,7 @@ class _LayerWriter:
         for link in self.robot.links:
             write_mass(self._add_body(names.links[link.name], link.name), link.inertial)
         for name, _ in added_links(self.robot, names, self.plan.joints):
-            write_mass(self._add_body(name, name), SPECK)
+            write_mass(self._add_body(name, name), TINY_INERTIAL)
 
     def _add_body(self, name: str, robot_name: str) -> Prim:
         """Writes a body with its pose. `robot_name`: its name in the robot."""

@@ -61,7 +61,7 @@ def make_variants(written: Written, sections: "ExportSections", files: Mapping[s
         VariedQuantityRecord(quantity.key, quantity.origin, shares[quantity.key]) for quantity in varied
     )
     record = VariantsRecord(VARIANTS, request.n, request.seed, tuple(variants.fields), rows)
-    diagnostics = (*log.found, *_unvaried_bodies(fields))
+    diagnostics = (*log.notes, *_unvaried_bodies(fields))
     return VariantFiles({VARIANTS: variants.to_bytes()}, {"variants": record}, diagnostics, _summary(record))
 
 

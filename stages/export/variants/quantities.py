@@ -10,7 +10,7 @@ from linkwright.stages.export.provenance import provenance
 from linkwright.stages.export.variants.shares import SHARE_BY_ORIGIN
 from linkwright.stages.formats.written import Written
 from linkwright.stages.mujoco.names import OBJ, actuator_count, body_index, name_of
-from linkwright.stages.mujoco.parameters import Entry, of_actuator, of_joint
+from linkwright.stages.mujoco.parameters import Entry, actuator_parameters, joint_parameters
 from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.robot import Dof, Link
 
@@ -101,7 +101,7 @@ def _of_joints(model: Any, written: Written) -> Iterator[VariedQuantity]:
         dof = dofs.get(name)
         origins = {} if dof is None else provenance(dof, name in estimated, written.actuation.supplied)
         origins["stiffness"] = _of_spring(dof)
-        for quantity, entries in of_joint(model, joint):
+        for quantity, entries in joint_parameters(model, joint):
             yield VariedQuantity(
                 f"joints.{name}.{quantity}", _widest(origins.get(quantity, "given")), entries
             )
@@ -120,7 +120,7 @@ def _of_actuators(model: Any, written: Written) -> Iterator[VariedQuantity]:
             continue
         actuator = actuators.get(name)
         default = "source" if name in source and actuator is not None and not actuator.motor else "given"
-        for quantity, entries in of_actuator(model, index):
+        for quantity, entries in actuator_parameters(model, index):
             origin = _of_parameter(actuator, quantity) or default
             yield VariedQuantity(f"actuators.{name}.{quantity}", origin, entries)
 

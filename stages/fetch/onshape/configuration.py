@@ -50,8 +50,8 @@ class Parameter:
     options: Mapping[str, str]
     """Id → label of each option of an Enum."""
 
-    measure: str = ""
-    """The measure of a Quantity, such as "LENGTH", "ANGLE", "INTEGER" or "REAL"."""
+    quantity_type: str = ""
+    """The type of a Quantity, such as "LENGTH", "ANGLE", "INTEGER" or "REAL"."""
 
     unit: str = ""
     """The unit of the bounds; "" for plain numbers."""
@@ -80,7 +80,7 @@ class Parameter:
                 ]
                 number_with_unit = f'a number with its unit, such as "10 {self.unit}"'
                 number_text = {"INTEGER": "a whole number", "REAL": "a number"}.get(
-                    self.measure, number_with_unit
+                    self.quantity_type, number_with_unit
                 )
                 return " ".join([number_text, *bounds])
 
@@ -148,7 +148,7 @@ def _parameter(record: Mapping[str, Any]) -> Parameter:
         options={
             str(option["option"]): str(option.get("optionName") or option["option"]) for option in options
         },
-        measure=str(record.get("quantityType") or ""),
+        quantity_type=str(record.get("quantityType") or ""),
         unit=str(bounds.get("units") or ""),
         lower_bound=_bound(bounds.get("minValue")),
         upper_bound=_bound(bounds.get("maxValue")),
@@ -231,16 +231,16 @@ def _quantity_text(parameter: Parameter, value: Any) -> str:
         raise ValueError(msg)
     number, unit = float(match[1]), match[2]
     measures: Mapping[str, Measure] = {"LENGTH": "length", "ANGLE": "angle"}
-    measure = measures.get(parameter.measure)
+    measure = measures.get(parameter.quantity_type)
     if measure is not None:
         return _length_or_angle_text(parameter, measure, number, unit or SI[measure])
-    if parameter.measure in ("INTEGER", "REAL"):
-        if unit or (parameter.measure == "INTEGER" and number != int(number)):
-            kind = "whole" if parameter.measure == "INTEGER" else "plain"
+    if parameter.quantity_type in ("INTEGER", "REAL"):
+        if unit or (parameter.quantity_type == "INTEGER" and number != int(number)):
+            kind = "whole" if parameter.quantity_type == "INTEGER" else "plain"
             msg = f"must be a {kind} number (given {value!r})"
             raise ValueError(msg)
         _require_within_bounds(parameter, number, 1.0, repr(value))
-        return f"{number:.0f}" if parameter.measure == "INTEGER" else repr(number)
+        return f"{number:.0f}" if parameter.quantity_type == "INTEGER" else repr(number)
     # The server converts masses, forces, times and so on; a number without a unit is in the parameter's.
     return f"{number!r} {unit or parameter.unit}".rstrip()
 

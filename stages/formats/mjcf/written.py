@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from linkwright.stages.formats.mjcf.form import MjcfForm
-from linkwright.stages.robot.dynamics.fusing import Holders, fused, on_fixed_joints
+from linkwright.stages.robot.dynamics.fusing import Holders, fused, links_on_fixed_joints
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
 from linkwright.stages.robot.model.robot import Frame, Robot, frozen
 from linkwright.stages.robot.model.sensing import SensorTarget
@@ -24,7 +24,7 @@ def mjcf_form(robot: Robot, kept_links: Collection[str] = (), merges: bool = Fal
     if robot.mjcf is not None:
         bodies |= _named_bodies(robot.mjcf)
         bodies |= set() if merges else {body.link for body in robot.mjcf.bodies}
-    candidates = set(on_fixed_joints(robot)) - bodies
+    candidates = set(links_on_fixed_joints(robot)) - bodies
     # Their sensors are at the centre of mass, which fused links would move; their excludes are of their own
     # shapes.
     kept_alone = {*_measured(robot, "body"), *_excluded(robot.mjcf or NO_EXTRAS)}

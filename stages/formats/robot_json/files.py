@@ -12,7 +12,7 @@ from linkwright.stages.robot.motion.linear_coupling import LinearCoupling
 
 
 @dataclass(frozen=True)
-class LoweredJointRecord(JsonRecord[None]):
+class SplitJointRecord(JsonRecord[None]):
     """A joint of the robot that is several joints in the URDF.
 
     joint: the joint of the robot.

@@ -8,10 +8,10 @@ from linkwright.stages.formats.robot_json.driving import ActuationRecord, Sensin
 from linkwright.stages.formats.robot_json.files import (
     CouplingRecord,
     FormatRecord,
-    LoweredJointRecord,
     MergedLinkRecord,
     OrderRecord,
     PackageRecord,
+    SplitJointRecord,
     SrdfRecord,
     UrdfPackageRecord,
     VariantsRecord,
@@ -141,7 +141,7 @@ class RobotRecord(JsonRecord[model.Robot]):
     relations: tuple[RelationRecord, ...]
     loops: tuple[LoopRecord, ...]
     frames: tuple[FrameRecord, ...]
-    lowered: Annotated[tuple[LoweredJointRecord, ...], UNREAD]
+    lowered: Annotated[tuple[SplitJointRecord, ...], UNREAD]
     couplings: tuple[CouplingRecord, ...] = ()
     urdf: UrdfPackageRecord | None = None
     merged: tuple[MergedLinkRecord, ...] = ()

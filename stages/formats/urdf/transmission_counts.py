@@ -60,8 +60,8 @@ def _recount_transmission(joint: Element, root: Element, mate_value: MateValue) 
     offset = next((node for node in joint if tag(node) == "offset"), None)
     if offset is not None:
         _change(offset, mate_value)
-    elif tag(root) == "ros2_control" and mate_value.of(0.0):
-        xml.element(joint, "offset").text = _text(mate_value.inverse(0.0))
+    elif tag(root) == "ros2_control" and mate_value.to_mate(0.0):
+        xml.element(joint, "offset").text = _text(mate_value.from_mate(0.0))
 
 
 def _change(element: Element, mate_value: MateValue) -> None:
@@ -69,7 +69,7 @@ def _change(element: Element, mate_value: MateValue) -> None:
         value = float((element.text or "").strip())
     except ValueError:  # a placeholder of the user's, which stays
         return
-    element.text = _text(mate_value.inverse(value))
+    element.text = _text(mate_value.from_mate(value))
 
 
 def _text(value: float) -> str:

@@ -90,7 +90,7 @@ def read_assembly(body: bytes) -> Assembly:
         patterns=content_without_empty.patterns,
         body_types=body_types,
         standard=frozenset(standard),
-        diagnostics=(*content_without_empty.log.problems, *content_without_empty.log.found),
+        diagnostics=(*content_without_empty.log.problems, *content_without_empty.log.notes),
     )
     check_parts(assembly, "insert at least one part, or unsuppress an existing one")
     return assembly

@@ -15,7 +15,7 @@ from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.onshape.assembly import Assembly, Connector, Path
 from linkwright.stages.graph.onshape.bodies import Bodies
 from linkwright.stages.graph.onshape.mates.joints import dof_names
-from linkwright.stages.robot.text.names import legal, shortest_unique
+from linkwright.stages.robot.text.names import legal_name, shortest_unique
 
 Key = TypeVar("Key")
 
@@ -71,7 +71,9 @@ def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, fl
 
 def is_link_name(connector: Connector) -> bool:
     """Tells whether a mate connector names a link: by `link_` and a usable name."""
-    return connector.name.lower().startswith(LINK_PREFIX) and bool(legal(connector.name[len(LINK_PREFIX) :]))
+    return connector.name.lower().startswith(LINK_PREFIX) and bool(
+        legal_name(connector.name[len(LINK_PREFIX) :])
+    )
 
 
 def _key(path: Path) -> str:

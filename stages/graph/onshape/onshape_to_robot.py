@@ -33,7 +33,7 @@ from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import frozen
 from linkwright.stages.robot.section import Section
 from linkwright.stages.robot.text.globs import exact_glob, name_list, without_number
-from linkwright.stages.robot.text.names import legal, legal_or_unnamed
+from linkwright.stages.robot.text.names import legal_name, legal_name_or_unnamed
 
 AnySection = TypeVar("AnySection", bound=Section)
 
@@ -231,7 +231,7 @@ def _link_names(
         neighbours[first].append(second)
         neighbours[second].append(first)
     # Names are unique over joints and links here, and joints, which others refer to, keep theirs.
-    taken_names = {legal("_".join(joint_words(mate).words)) for mate in joints}
+    taken_names = {legal_name("_".join(joint_words(mate).words)) for mate in joints}
     names: dict[Path, str] = {}
     counts: dict[str, int] = {}
     waiting = list(reversed(neighbours))
@@ -243,7 +243,7 @@ def _link_names(
         if link in connector_names:
             names[link] = connector_names[link]
             continue
-        name = legal_or_unnamed(without_number(assembly.occurrences[link].names[-1]))
+        name = legal_name_or_unnamed(without_number(assembly.occurrences[link].names[-1]))
         name += "_link" if name in taken_names else ""
         counts[name] = counts.get(name, 0) + 1
         names[link] = name if counts[name] == 1 else f"{name}_{counts[name]}"
@@ -254,7 +254,7 @@ def _names_from_connectors(assembly: Assembly, link_of_instance: Mapping[Path, P
     """Returns the names that `link_` connectors give to links. The first connector of a link in the order of
     names wins, since later entries of a dict replace earlier ones."""
     return {
-        link_of_instance[connector.entity.path[:1]]: legal(connector.name[len(LINK_PREFIX) :])
+        link_of_instance[connector.entity.path[:1]]: legal_name(connector.name[len(LINK_PREFIX) :])
         for connector in sorted(
             assembly.connectors, key=lambda connector: (connector.name, connector.feature), reverse=True
         )

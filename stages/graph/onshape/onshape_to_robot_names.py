@@ -10,7 +10,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Mate, MateRelatio
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import frozen
-from linkwright.stages.robot.text.names import legal
+from linkwright.stages.robot.text.names import legal_name
 
 DOF, CLOSING, FRAME, FIX = "dof_", "closing_", "frame_", "fix_"
 """Prefixes of names: joints, closed loops, frames, and welds."""
@@ -97,7 +97,7 @@ def as_joint_mate(mate: Mate, assembly: Assembly, log: Diagnostics) -> Mate | No
     CYLINDRICAL mate becomes REVOLUTE (W-PEER-SLIDE). Returns None if the joint has no name (E-PEER-NAME)."""
     words, inverted = joint_words(mate)
     name = "_".join(words)
-    if not legal(name):
+    if not legal_name(name):
         log.report("E-PEER-NAME", "the joint has no name after dof_", mate.title, "call it dof_NAME")
         return None
     if mate.ref.type == "CYLINDRICAL":

@@ -33,7 +33,7 @@ from linkwright.stages.robot.errors import AssemblyError
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import MeshRef, Part, Provenance, frozen
 from linkwright.stages.robot.motion.kinematics import chain
-from linkwright.stages.robot.text.names import legal
+from linkwright.stages.robot.text.names import legal_name
 
 PartMasses = Mapping[Path, PartMass]
 
@@ -91,10 +91,10 @@ def _combined_bodies(
         bodies = find_bodies(assembly, keys, body_log, welds)
         result = combine_mates(bodies.moving, assembly, bodies.of, mate_log)
         if not result.welds:
-            log.add([*body_log.problems, *body_log.found, *mate_log.problems, *mate_log.found])
+            log.add([*body_log.problems, *body_log.notes, *mate_log.problems, *mate_log.notes])
             return replace(bodies, moving=list(result.mates)), result.absorbed
         welds += result.welds
-        log.add([*mate_log.problems, *mate_log.found])
+        log.add([*mate_log.problems, *mate_log.notes])
 
 
 def _bodies(
@@ -125,7 +125,7 @@ def _bodies(
                 )
             )
             for name in occurrence.names:
-                titles |= {name, legal(name)}
+                titles |= {name, legal_name(name)}
         yield RigidBody(
             name=names.links[number],
             path=names.paths[number],
@@ -209,7 +209,7 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
     ]
     typed_names += [(names.joints[m.ref.key], m.ref.name) for m in bodies.moving]
     for name, text in sorted(typed_names):
-        if "unnamed" in name and not legal(text):
+        if "unnamed" in name and not legal_name(text):
             message = f"{text!r} has no letter or digit that a robot file allows: {name!r} is used"
             log.report("W-NAME", message, name, "give it a name with letters or digits")
     names_of_bodies: dict[int, str] = {}

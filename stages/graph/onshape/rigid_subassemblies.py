@@ -7,7 +7,7 @@ from linkwright.stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from linkwright.stages.graph.section import DepthSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.globs import no_match_hint, without_number
-from linkwright.stages.robot.text.names import legal
+from linkwright.stages.robot.text.names import legal_name
 
 
 def rigid_subassemblies(assembly: Assembly, depth: DepthSection, log: Diagnostics) -> frozenset[Path]:
@@ -50,4 +50,4 @@ def _texts(sub: Occurrence, glob: str) -> tuple[str, ...]:
     if "/" in glob:
         return (sub.title,)
     name = sub.names[-1]
-    return name, without_number(name), legal(name)
+    return name, without_number(name), legal_name(name)

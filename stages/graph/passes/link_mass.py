@@ -12,8 +12,8 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import (
     ZERO,
     is_physical,
-    large_enough,
     principal,
+    raised_to_minimum,
     scaled,
     tensor,
 )
@@ -129,7 +129,7 @@ def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
     for link in robot.links:
         inertial = link.inertial
         enlarged_inertial = (
-            inertial if inertial.mass <= 0 or not is_physical(inertial) else large_enough(inertial)
+            inertial if inertial.mass <= 0 or not is_physical(inertial) else raised_to_minimum(inertial)
         )
         if enlarged_inertial is not inertial:
             old, new = (_mass_and_moments(body_inertial) for body_inertial in (inertial, enlarged_inertial))

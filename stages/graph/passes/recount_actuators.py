@@ -17,7 +17,7 @@ def recount_actuator(actuator: Actuator, mate_value: MateValue) -> Actuator:
     value. If the gain depends on the length, as that of a damper does, the control stays, and the gain
     changes.
     """
-    shift = actuator.gear * mate_value.of(0.0)
+    shift = actuator.gear * mate_value.to_mate(0.0)
     force = _converted_range(actuator.force, mate_value.sign, 0.0)
     if actuator.type != "general":
         target = shift if actuator.type == "position" else 0.0

@@ -12,7 +12,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import DofKind, Joint, Robot
 from linkwright.stages.robot.quantity_keys import as_typed, misfit
 from linkwright.stages.robot.text.globs import name_list, yaml_key
-from linkwright.stages.robot.text.names import free_name, legal
+from linkwright.stages.robot.text.names import free_name, legal_name
 
 DOF_KIND_PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),
@@ -33,7 +33,7 @@ def with_relation_names(robot: Robot, specs: Sequence[RelationSpec]) -> list[Rel
     taken_names |= {dof.name for dof in robot.dofs} | {spec.name for spec in specs}
     named_specs = []
     for spec in sorted(specs, key=lambda b: (b.title, b.connections, b.type)):
-        name = spec.name or free_name(legal(spec.title.rsplit("/", 1)[-1]) or "relation", taken_names)
+        name = spec.name or free_name(legal_name(spec.title.rsplit("/", 1)[-1]) or "relation", taken_names)
         taken_names.add(name)
         named_specs.append(replace(spec, name=name))
     return named_specs

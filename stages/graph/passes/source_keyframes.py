@@ -36,7 +36,9 @@ def source_values(
     values_by_name: dict[str, dict[str, float]] = {}
     for keyframe in keyframes:
         keyframe_values = {
-            name: scalars[name].mate_value.inverse(value) for name, value in keyframe.given if name in scalars
+            name: scalars[name].mate_value.from_mate(value)
+            for name, value in keyframe.given
+            if name in scalars
         }
         values = {name: _clip(value, *limits[name]) for name, value in keyframe_values.items()}
         if keyframe.name == SAVED:

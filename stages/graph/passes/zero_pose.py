@@ -121,10 +121,10 @@ def _converted_dof(dof: Dof, count: MateValue) -> Dof:
     converted = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), mate_value=count)
     if not isinstance(dof.saved, float):
         return replace(converted, saved=at_rest(dof.kind))
-    limits = dof.limits.mapped(count.sign, count.inverse(0.0))
+    limits = dof.limits.mapped(count.sign, count.from_mate(0.0))
     axis = frozen(count.sign * dof.axis + 0.0)
-    spring = dof.spring and replace(dof.spring, reference=count.inverse(dof.spring.reference))
-    return replace(converted, axis=axis, limits=limits, saved=count.inverse(dof.saved), spring=spring)
+    spring = dof.spring and replace(dof.spring, reference=count.from_mate(dof.spring.reference))
+    return replace(converted, axis=axis, limits=limits, saved=count.from_mate(dof.saved), spring=spring)
 
 
 def _converted_relation(
@@ -134,7 +134,7 @@ def _converted_relation(
     that is only rounding of the saved pose is dropped."""
     driver, follower = counts[relation.driver], counts[relation.follower]
     factor = follower.sign * driver.sign * relation.multiplier + 0.0
-    offset = follower.inverse(relation.multiplier * driver.of(0.0) + relation.offset)
+    offset = follower.from_mate(relation.multiplier * driver.to_mate(0.0) + relation.offset)
     if (
         relation.driver in measured_dofs
         and relation.follower in measured_dofs

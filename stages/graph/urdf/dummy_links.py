@@ -10,7 +10,7 @@ from linkwright.stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, Urdf
 from linkwright.stages.graph.mechanism import WORLD_LINK
 from linkwright.stages.graph.urdf.structure import top_ancestors
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.dynamics.inertia import MIN_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
+from linkwright.stages.robot.dynamics.inertia import MIN_MOMENT, TINY_INERTIAL, TINY_MASS, merged, moved
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
@@ -147,14 +147,12 @@ def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
                 carriers.add(name)
     hint = "give them their mass: mass: {links: {...}}"
     if carriers:
-        text = f"links between joints have no mass; {NEXT_TO_NOTHING:g} kg was used: {name_list(carriers)}"
+        text = f"links between joints have no mass; {TINY_MASS:g} kg was used: {name_list(carriers)}"
         log.report("I-URDF-MASSLESS", text, urdf.name, hint)
     massless_leaves = set(parents) - heavy - carriers if repair else set()
     if massless_leaves:
-        text = (
-            f"moving links have no mass; {NEXT_TO_NOTHING:g} kg was used, and the simulation may be unstable"
-        )
+        text = f"moving links have no mass; {TINY_MASS:g} kg was used, and the simulation may be unstable"
         log.report("W-URDF-MASSLESS", f"{text}: {name_list(massless_leaves)}", urdf.name, hint)
     carriers |= massless_leaves
-    links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)
+    links = (replace(link, inertial=TINY_INERTIAL) if link.name in carriers else link for link in urdf.links)
     return replace(urdf, links=tuple(links))

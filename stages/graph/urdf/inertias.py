@@ -11,12 +11,12 @@ from linkwright.stages.robot.bundle import Bundle
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.inertia import (
     MIN_WRITTEN_SPREAD,
-    NEXT_TO_NOTHING,
+    TINY_MOMENT,
     is_physical,
-    no_thinner,
     principal,
     scaled,
     spread,
+    with_min_spread,
 )
 from linkwright.stages.robot.model.robot import Array, Inertial
 
@@ -117,8 +117,8 @@ def _report_without_mass(link: UrdfLink, inertial: Inertial, is_error: bool, log
 def nearest_physical(inertia: Array) -> Array:
     """Returns the inertia (3, 3) nearest to this one whose smallest spread is at least the share `MIN_SPREAD`
     of its largest."""
-    # NEXT_TO_NOTHING / 2 is the spread of `SPECK`, the inertial of a link that only connects two joints.
-    return no_thinner(inertia, max(MIN_SPREAD * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
+    # TINY_MOMENT / 2 is the spread of `TINY_INERTIAL`, the inertial of a link that only connects two joints.
+    return with_min_spread(inertia, max(MIN_SPREAD * float(spread(inertia).max()), TINY_MOMENT / 2))
 
 
 def _thickened_if_flat(inertial: Inertial) -> Inertial:
@@ -129,7 +129,7 @@ def _thickened_if_flat(inertial: Inertial) -> Inertial:
     smallest_spread = MIN_WRITTEN_SPREAD * float(spreads.sum() - spreads.min())
     if spreads.min() >= smallest_spread:
         return inertial
-    return replace(inertial, inertia=no_thinner(inertial.inertia, smallest_spread))
+    return replace(inertial, inertia=with_min_spread(inertial.inertia, smallest_spread))
 
 
 def why_unphysical(inertial: Inertial) -> str:

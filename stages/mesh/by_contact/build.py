@@ -38,7 +38,9 @@ def by_contact(request: ContactRequest, library: MeshLibrary, memo: Memo) -> Con
     """Returns colliders by contact, from the cache if nothing has changed on which they depend."""
     if not request.jobs:
         return (), ()
-    data = memo("mesh.by_contact", request.key(), lambda: orjson.dumps(codec.plain(_make(request, library))))
+    data = memo(
+        "mesh.by_contact", request.key(), lambda: orjson.dumps(codec.plain_data(_make(request, library)))
+    )
     return codec.typed(ContactColliders, orjson.loads(data))  # type: ignore[no-any-return]
 
 

@@ -66,7 +66,7 @@ def colliders(collision: Collision, link_from_part: Array) -> Iterator[Collider]
 
 def encode(collision: Collision) -> bytes:
     """Returns a collision as bytes."""
-    return orjson.dumps(codec.plain(collision))
+    return orjson.dumps(codec.plain_data(collision))
 
 
 def decode(data: bytes) -> Collision:

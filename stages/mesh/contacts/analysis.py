@@ -148,9 +148,9 @@ def _analysed(
             other_depths[pair] = np.where(masked, -np.inf, other_depths[pair])
     return {
         "held": [[*pair, _deepest(depth)] for pair, depth in depths.items() if pair in reasons],
-        "always": [codec.plain(exclude) for exclude in always],
+        "always": [codec.plain_data(exclude) for exclude in always],
         "free": [
-            codec.plain(Touch(*pair, _deepest(depth)))
+            codec.plain_data(Touch(*pair, _deepest(depth)))
             for pair, depth in other_depths.items()
             if (depth >= 0).any()
         ],
@@ -196,7 +196,7 @@ def _key_of_shape(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     """Returns a collider as plain data, without the name of its file."""
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
-    return [shape.link, shape.collider, codec.plain(shape.primitive)]
+    return [shape.link, shape.collider, codec.plain_data(shape.primitive)]
 
 
 _WHERE = "contact"

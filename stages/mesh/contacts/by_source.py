@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.contact.left_out import FilteredPairs
 from linkwright.stages.robot.model.geometry import Exclude, Shape
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement, children_of
 from linkwright.stages.robot.model.robot import Robot
@@ -31,7 +31,7 @@ def source_excludes(robot: Robot, shapes: Sequence[Shape]) -> list[Exclude] | No
     grid_of: dict[tuple[Bits, Bits], Grid] = {}
     paired = _pairs(robot, colliders)
     excluded_links = excluded_by_source(robot)
-    left_out_by_rule = LeftOut(robot, _leaves_out_parents(robot))
+    left_out_by_rule = FilteredPairs(robot, _leaves_out_parents(robot))
     any_collides = False
     excludes = []
     for first, second in combinations(links, 2):

@@ -11,7 +11,7 @@ from linkwright.stages.mesh.measure.tree import Numbers, split
 from linkwright.stages.mesh.measure.union import PieceUnion
 from linkwright.stages.mesh.surfaces.booleans import body_of
 from linkwright.stages.mesh.surfaces.inside import InsideTest
-from linkwright.stages.robot.model.geometry import By
+from linkwright.stages.robot.model.geometry import VolumeMethod
 
 _POINT_COUNT = 1 << 13  # in the box of a part
 _MIN_VOLUME_SHARE = 1e-12
@@ -27,7 +27,7 @@ class Shares:
     """Volume of the collider outside the part; None if the part has no volume."""
     missing: float
     """Volume of the part outside the collider."""
-    by: By
+    by: VolumeMethod
     """How the volumes were found."""
 
 

@@ -84,7 +84,7 @@ def _cached_picture(shapes: Sequence[Shape], files: Mapping[str, bytes], memo: M
     """Returns the picture of a link from the cache; b"" if drawing takes too much work."""
     digests = {shape.file: sha256(files[shape.file]).hexdigest() for shape in shapes if shape.file}
     key: list[Any] = [
-        [shape.role, shape.colour, digests[shape.file] if shape.file else codec.plain(shape.primitive)]
+        [shape.role, shape.colour, digests[shape.file] if shape.file else codec.plain_data(shape.primitive)]
         for shape in shapes
     ]
     return memo("mesh.picture", {"shapes": key}, lambda: picture(shapes, files))

@@ -6,7 +6,7 @@ _WORLD = ""
 """The body of all that is fixed to the world, as MuJoCo's filter sees it."""
 
 
-class LeftOut:
+class FilteredPairs:
     """The pairs of links that MuJoCo never lets collide. They are on the same rigid body, or on a rigid body
     and its parent, unless that is the world (its documentation, "Computation", on collisions). A loop's
     carrier has no geoms and no child links."""

@@ -7,7 +7,7 @@ from linkwright.stages.robot.model.actuation import Actuation, Supplied
 from linkwright.stages.robot.model.robot import Dof, Robot
 
 
-def as_driven(robot: Robot, actuation: Actuation) -> Robot:
+def with_actuation(robot: Robot, actuation: Actuation) -> Robot:
     """Returns the robot whose dofs have the dynamics that `actuation` gives them."""
     added = [(supplied.dof, supplied.quantity, supplied.value) for supplied in actuation.supplied]
     return _with_dynamics(

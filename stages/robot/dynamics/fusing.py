@@ -11,7 +11,7 @@ Holders = Mapping[str, tuple[str, Array]]
 """Link → the link that it is part of, and holder_from_link (4, 4)."""
 
 
-def on_fixed_joints(robot: Robot) -> tuple[str, ...]:
+def links_on_fixed_joints(robot: Robot) -> tuple[str, ...]:
     """Returns the links that can be part of the link above them.
 
     No link can be part of a link `world`, which has no mass in any engine.

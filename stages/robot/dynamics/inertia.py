@@ -21,8 +21,8 @@ may be shared by several bodies."""
 MIN_MASS = 1e-14
 """Smallest mass [kg] that we write, for the same reason."""
 
-NEXT_TO_NOTHING = 1e-12
-"""Mass [kg] and moments of inertia [kg m²] of a link that only connects two joints."""
+TINY_MASS, TINY_MOMENT = 1e-12, 1e-12
+"""Mass [kg] and principal moments [kg m²] of a link that only connects two joints."""
 
 MIN_WRITTEN_SPREAD = 1e-11
 """Smallest `spread` of a body, as a share of its largest moment, that the written digits keep."""
@@ -34,7 +34,8 @@ _SWEEPS = 12
 """Largest number of sweeps of Jacobi's method. It squares the remainder in each: a (3, 3) tensor takes
 six."""
 
-SPECK = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
+TINY_INERTIAL = Inertial(TINY_MASS, frozen(np.zeros(3)), frozen(TINY_MOMENT * np.eye(3)))
+"""The inertial of a link that only connects two joints."""
 
 
 def tensor(values: Sequence[float]) -> Array:
@@ -127,7 +128,7 @@ def spread(inertia: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(np.trace(inertia) / 2 * np.eye(3) - inertia), dtype=np.float64)
 
 
-def no_thinner(inertia: Array, least: float) -> Array:
+def with_min_spread(inertia: Array, least: float) -> Array:
     """Returns the inertia (3, 3) nearest to this one whose `spread` is nowhere below `least`."""
     values, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
     second = axes @ np.diag(np.maximum(values, least)) @ axes.T
@@ -135,7 +136,7 @@ def no_thinner(inertia: Array, least: float) -> Array:
     return frozen((thickened + thickened.T) / 2)
 
 
-def large_enough(inertial: Inertial) -> Inertial:
+def raised_to_minimum(inertial: Inertial) -> Inertial:
     """Returns the inertial, raised to the least mass and moments that MuJoCo accepts."""
     moments = principal(inertial.inertia)
     mass = max(inertial.mass, MIN_MASS)
@@ -143,7 +144,7 @@ def large_enough(inertial: Inertial) -> Inertial:
         return inertial if mass == inertial.mass else replace(inertial, mass=mass)
     # Each moment is the sum of two spreads; and numbers far below the largest are lost in its digits.
     floor = max(MIN_MOMENT / 2, MIN_WRITTEN_SPREAD * float(moments[2]))
-    return replace(inertial, mass=mass, inertia=no_thinner(inertial.inertia, floor))
+    return replace(inertial, mass=mass, inertia=with_min_spread(inertial.inertia, floor))
 
 
 def solid_inertia(vertices: Array, triangles: npt.NDArray[np.integer], density: float) -> Inertial:

@@ -4,7 +4,7 @@ from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Robot, Sensor
 
 
-def measuring(robot: Robot, actuation: Actuation) -> tuple[Sensor, ...]:
+def available_sensors(robot: Robot, actuation: Actuation) -> tuple[Sensor, ...]:
     """Returns the robot's sensors, except those of missing actuators."""
     names = {actuator.name for actuator in actuation.actuators}
     return tuple(

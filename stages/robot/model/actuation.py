@@ -116,7 +116,7 @@ class Actuation:
     overridden: tuple[str, ...] = ()
     """Dofs for which a value of the configuration replaces that of the motor."""
 
-    def of(self, dof: str) -> Actuator | None:
+    def actuator_of(self, dof: str) -> Actuator | None:
         """Returns the first actuator of a dof."""
         return next((actuator for actuator in self.actuators if actuator.dof == dof), None)
 

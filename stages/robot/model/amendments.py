@@ -58,7 +58,7 @@ class Amendments:
         """Returns the surplus of a file; zeros if it has none."""
         return next((surplus for surplus in self.surplus if surplus.file == file), Surplus(file))
 
-    def of(self, *files: str) -> tuple[Amendment, ...]:
+    def changes_of(self, *files: str) -> tuple[Amendment, ...]:
         """Returns the changes of these files."""
         return tuple(amendment for amendment in self.changes if amendment.file in files)
 

@@ -28,7 +28,7 @@ class LimitOrigin:
     open: tuple[str, ...] = ()
     """The open side, if only the other was typed."""
 
-    def with_those_of(self, title: str, other: "LimitOrigin") -> "LimitOrigin":
+    def merged_with(self, title: str, other: "LimitOrigin") -> "LimitOrigin":
         """Returns this origin merged with that of another mate, called `title` in CAD, whose limits these
         include."""
         mark = f" (of {title})"
@@ -126,11 +126,11 @@ class MateValue:
     sign: int = 1
     zero: Value = 0.0
 
-    def of(self, value: float) -> float:
+    def to_mate(self, value: float) -> float:
         """Returns the mate's own value [rad or m] of a turn or slide."""
         return float(self.zero) + self.sign * value if isinstance(self.zero, float) else value
 
-    def inverse(self, mate: float) -> float:
+    def from_mate(self, mate: float) -> float:
         """Returns the value [rad or m] at which the mate's own is `mate`."""
         return self.sign * (mate - self.zero) + 0.0 if isinstance(self.zero, float) else mate
 

@@ -85,7 +85,7 @@ class Touch:
     """Penetration at `home` [m], without the shapes that do not collide."""
 
 
-By = Literal["boolean", "sampling"]
+VolumeMethod = Literal["boolean", "sampling"]
 """The method by which volumes were computed."""
 
 
@@ -102,7 +102,7 @@ class Measures:
     """Volume of the collider outside the part, as a share of the part's volume; None if that is 0."""
     missing: float
     """Volume of the part outside the collider, as a share of the part's volume."""
-    by: By
+    by: VolumeMethod
     """The method by which the volumes were computed."""
     protrusion_p95: float
     protrusion_max: float
@@ -202,7 +202,7 @@ class Geometry:
         """Whether the same inputs would give the same result: nothing failed."""
         return not any(collider.failed for collider in self.colliders)
 
-    def of(self, link: str, role: Role) -> tuple[Shape, ...]:
+    def shapes_of(self, link: str, role: Role) -> tuple[Shape, ...]:
         """Returns the shapes of a link in a role. It scans all shapes; `by_link` is faster for every link."""
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)
 

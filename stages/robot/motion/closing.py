@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from linkwright.stages.robot.model.robot import Array, Dof, DofKind, Robot
 from linkwright.stages.robot.motion.dof_ranges import ranges
-from linkwright.stages.robot.motion.loops import CLOSED
+from linkwright.stages.robot.motion.loops import MAX_CLOSED_GAP
 from linkwright.stages.robot.motion.pose_batch import (
     Values,
     chain_pose,
@@ -101,7 +101,7 @@ class Closer:
                 break
         gaps = self._conditions(current)[0]
         # A loop that the source leaves open by its residual counts as closed up to twice that.
-        allowed = np.array([max(CLOSED, 2 * loop.residual) for loop in self._loops])
+        allowed = np.array([max(MAX_CLOSED_GAP, 2 * loop.residual) for loop in self._loops])
         distances = np.linalg.norm(gaps.reshape(len(gaps), -1, 2, 3), axis=3).max(axis=2)
         return current, (distances <= allowed).all(axis=1)
 

@@ -9,10 +9,10 @@ from linkwright.stages.robot.model.poses import at_rest, inverse, quat_from_rota
 from linkwright.stages.robot.model.robot import Array, Dof, Loop, Value
 from linkwright.stages.robot.motion.kinematics import chain
 
-CLOSED = 1e-6
+MAX_CLOSED_GAP = 1e-6
 """Largest distance of a loop's frames [m, and rad] at which it counts as closed."""
 
-POINTWISE = frozenset({"fixed", "revolute", "ball"})
+POINTWISE_TYPES = frozenset({"fixed", "revolute", "ball"})
 """Types of loops that close by holding points together: no dof of theirs is in the simulation."""
 
 

@@ -10,7 +10,7 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Robot, Val
 from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
-from linkwright.stages.robot.motion.loops import CLOSED, closing_values, gap, relative_pose
+from linkwright.stages.robot.motion.loops import MAX_CLOSED_GAP, closing_values, gap, relative_pose
 from linkwright.stages.robot.motion.pose_batch import repeated
 
 _LIMIT_TOLERANCE = 1e-12
@@ -42,7 +42,7 @@ def _closed_at_zero(robot: Robot) -> dict[str, Value] | None:
     zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
     holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
     poses = link_poses(robot, zero)
-    if not holds or any(gap(loop, poses) > CLOSED for loop in robot.loops):
+    if not holds or any(gap(loop, poses) > MAX_CLOSED_GAP for loop in robot.loops):
         return None
     for loop in robot.loops:
         zero |= closing_values(loop, relative_pose(loop, poses))
@@ -146,7 +146,7 @@ def open_loops(robot: Robot, values: Configuration) -> list[str]:
     if not robot.loops:
         return []
     poses = link_poses(robot, values)
-    return [loop.name for loop in robot.loops if gap(loop, poses) > max(CLOSED, 2 * loop.residual)]
+    return [loop.name for loop in robot.loops if gap(loop, poses) > max(MAX_CLOSED_GAP, 2 * loop.residual)]
 
 
 def _is_inside(limits: tuple[float, float], value: Value) -> bool:

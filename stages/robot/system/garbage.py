@@ -9,7 +9,7 @@ def collect_rarely() -> None:
     gc.set_threshold(100_000, 50, 100)
 
 
-def spare_present() -> None:
+def freeze_present_objects() -> None:
     """Excludes everything in memory now, such as all modules, from later collections. Called once
     in a process."""
     if not gc.get_freeze_count():

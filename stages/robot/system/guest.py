@@ -191,9 +191,9 @@ class _Process:
         """Returns the guest's reply. Raises its own error, and Ended if there is no complete reply."""
         if self._output:
             raise _BrokenProcess("replied before it was asked")
-        started, computed_before = time.monotonic(), process_usage.computed(self._process.pid, 0.0)
+        started, computed_before = time.monotonic(), process_usage.processor_time(self._process.pid, 0.0)
         self._requests.put(len(request).to_bytes(8, "big") + request)
-        interval = _CHECK_INTERVAL if process_usage.is_quick() else _PS_CHECK_INTERVAL
+        interval = _CHECK_INTERVAL if process_usage.has_memory_files() else _PS_CHECK_INTERVAL
         while not self._replied.wait(interval):
             if halt is not None and halt.is_set():
                 raise Ended("was interrupted")
@@ -216,14 +216,14 @@ class _Process:
 
     def resident(self) -> int:
         """Returns the resident memory of the process [bytes]."""
-        return process_usage.resident(self._process.pid)
+        return process_usage.resident_memory(self._process.pid)
 
     def _counted_time(self, passed: float, computed_before: float) -> float:
         """Returns the time [s] that counts of the wall time `passed`; `computed_before`: the processor time
         at its beginning."""
         if self._bounds.wall_time_factor == 1.0:
             return passed
-        computed = process_usage.computed(self._process.pid, computed_before + passed) - computed_before
+        computed = process_usage.processor_time(self._process.pid, computed_before + passed) - computed_before
         return max(passed / self._bounds.wall_time_factor, min(computed, passed))
 
     def end(self) -> None:

@@ -14,21 +14,21 @@ _PATIENCE = 5.0
 """Longest time that `ps` may take [s]."""
 
 
-def is_quick() -> bool:
+def has_memory_files() -> bool:
     """Returns whether the system shows the memory of a process in a file."""
     return os.path.exists(_STATM.format("self"))  # noqa: PTH110
 
 
-def resident(process: int) -> int:
+def resident_memory(process: int) -> int:
     """Returns the resident memory of a process [bytes], 0 where the system does not show it."""
     try:
         with open(_STATM.format(process), "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, IndexError, ValueError):
-        return 0 if is_quick() else _resident_by_ps(process)
+        return 0 if has_memory_files() else _resident_memory_by_ps(process)
 
 
-def computed(process: int, unknown: float) -> float:
+def processor_time(process: int, unknown: float) -> float:
     """Returns the processor time of a process [s], `unknown` where the system does not show it."""
     try:
         # The name of the program, in brackets, may hold anything.
@@ -38,7 +38,7 @@ def computed(process: int, unknown: float) -> float:
         return unknown
 
 
-def _resident_by_ps(process: int) -> int:
+def _resident_memory_by_ps(process: int) -> int:
     try:
         output = subprocess.run(
             ["ps", "-o", "rss=", "-p", str(process)],
@@ -52,7 +52,7 @@ def _resident_by_ps(process: int) -> int:
         return 0
 
 
-_most: int | None = None
+_processor_limit: int | None = None
 
 
 def processors() -> int:
@@ -61,15 +61,15 @@ def processors() -> int:
         available = os.process_cpu_count() or 1
     else:
         available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return available if _most is None else max(1, min(available, _most))
+    return available if _processor_limit is None else max(1, min(available, _processor_limit))
 
 
 @contextlib.contextmanager
-def at_most(number: int | None) -> Iterator[None]:
+def limited_processors(number: int | None) -> Iterator[None]:
     """Limits the processors that this process uses inside, since processes beside it use the rest."""
-    global _most
-    previous, _most = _most, number
+    global _processor_limit
+    previous, _processor_limit = _processor_limit, number
     try:
         yield
     finally:
-        _most = previous
+        _processor_limit = previous

@@ -15,7 +15,7 @@ MAX_LETTERS = 80
 """Largest number of letters of a name: files are named by it, and their names may have 255."""
 
 
-def legal(text: str) -> str:
+def legal_name(text: str) -> str:
     """Returns `text` in [A-Za-z0-9_], lower case, words joined by "_", cut short; "" where nothing is left.
 
     The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
@@ -35,9 +35,9 @@ def plain(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", bare).strip("_") or "unnamed"
 
 
-def legal_or_unnamed(text: str) -> str:
+def legal_name_or_unnamed(text: str) -> str:
     """Returns the legal name, or "unnamed" with the instance's number where no letter of it is legal."""
-    return legal(text) or "unnamed" + _instance(text)[1]
+    return legal_name(text) or "unnamed" + _instance(text)[1]
 
 
 def _instance(text: str) -> tuple[str, str]:
@@ -57,7 +57,7 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[st
     order of the paths, then of the keys, so the order of the mapping never matters.
     """
     taken_names = set(taken_names) | RESERVED
-    words = {key: [legal_or_unnamed(word) for word in path] for key, path in paths.items()}
+    words = {key: [legal_name_or_unnamed(word) for word in path] for key, path in paths.items()}
     depth = dict.fromkeys(words, 1)
     while True:
         tails = {key: "_".join(words[key][-depth[key] :]) for key in words}

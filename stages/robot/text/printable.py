@@ -48,10 +48,10 @@ def _escaped(match: re.Match[str]) -> str:
     return "".join(f"\\u{code[start : start + 4]}" for start in range(0, len(code), 4))
 
 
-def on_a_line(value: Any) -> Any:
+def join_lines(value: Any) -> Any:
     """Replaces line breaks and runs of blanks in a value's texts by spaces."""
     if isinstance(value, str):
         return " ".join(value.split()) if "\n" in value else value
     if isinstance(value, dict):
-        return {on_a_line(name): on_a_line(inner) for name, inner in value.items()}
-    return [on_a_line(inner) for inner in value] if isinstance(value, list) else value
+        return {join_lines(name): join_lines(inner) for name, inner in value.items()}
+    return [join_lines(inner) for inner in value] if isinstance(value, list) else value

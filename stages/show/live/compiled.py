@@ -15,7 +15,7 @@ from linkwright.stages.mujoco.compile import (
     spec_of_text,
 )
 from linkwright.stages.mujoco.names import name_of
-from linkwright.stages.mujoco.state import at_key, keyframe_of
+from linkwright.stages.mujoco.state import at_keyframe_index, keyframe_index
 from linkwright.stages.mujoco.warnings import collected_warnings
 from linkwright.stages.show.live import includes
 from linkwright.stages.show.preview.model_text import urdf_text
@@ -71,7 +71,7 @@ def _model_of_urdf(folder: Path, source: str) -> Any:
 
 
 def _data_at_home(model: Any) -> Any:
-    data = at_key(model, max(keyframe_of(model, "home"), 0) if model.nkey else -1)
+    data = at_keyframe_index(model, max(keyframe_index(model, "home"), 0) if model.nkey else -1)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     return data

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from linkwright.stages.formats.xml import Element, parse, tag
-from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.includes import replace_includes
 
 NAME_PREFIX = "linkwright:"
 """Prefix of generated names."""
@@ -29,7 +29,7 @@ def without_includes(folder: Path, name: str) -> Element:
         return parse((folder / path).read_bytes(), large=True)
 
     root = root_of(name)
-    resolve(root, lambda include: root_of(include.get("file", "")))
+    replace_includes(root, lambda include: root_of(include.get("file", "")))
     return root
 
 

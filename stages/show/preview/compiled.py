@@ -11,7 +11,7 @@ import numpy as np
 
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_text
 from linkwright.stages.mujoco.names import index_of, name_of
-from linkwright.stages.mujoco.state import at_key, keyframe_of
+from linkwright.stages.mujoco.state import at_keyframe_index, keyframe_index
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.show.preview.bones import bones
 from linkwright.stages.show.preview.look import (
@@ -64,8 +64,8 @@ def _home_values(robot: bytes) -> dict[str, float]:
 def look_of(model: Any, values: Mapping[str, float], meshes: Mapping[str, ScaledStl] | None = None) -> Look:
     """Returns the look of a model at `home`, or, without such a keyframe, with the joints' `values` [rad, m]
     by name and the other joints at zero. `meshes`: the meshes of geoms by name, in place of MuJoCo's own."""
-    home = keyframe_of(model, "home")
-    data = at_key(model, home)
+    home = keyframe_index(model, "home")
+    data = at_keyframe_index(model, home)
     for joint in range(model.njnt if home < 0 else 0):
         name = name_of(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
         if name in values:

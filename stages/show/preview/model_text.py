@@ -10,7 +10,7 @@ from linkwright.stages.formats.meshes import glb
 from linkwright.stages.formats.meshes.points import binary_stl, is_binary_stl
 from linkwright.stages.formats.numbers import spaced
 from linkwright.stages.formats.xml import Element, parse, to_bytes
-from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.includes import replace_includes
 from linkwright.stages.mujoco.urdf import prepare_for_inspection
 from linkwright.stages.robot.errors import ProtocolError
 
@@ -46,7 +46,7 @@ def mjcf_text(path: str, files: Mapping[str, bytes], *, keep_meshes: bool = Fals
     placeholders."""
     folder = path.rpartition("/")[0]
     root = parse(files[path])
-    resolve(root, lambda include: parse(files[normpath(join(folder, include.get("file", "")))]))
+    replace_includes(root, lambda include: parse(files[normpath(join(folder, include.get("file", "")))]))
     # MuJoCo finds files by their paths from the folder of the MJCF.
     files_by_name = {normpath(name[len(folder) :].lstrip("/")): data for name, data in files.items()}
     meshes = {} if keep_meshes else _take_out_meshes(root, files_by_name)

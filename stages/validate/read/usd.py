@@ -12,7 +12,7 @@ from linkwright.stages.formats.usd.names import usd_names
 from linkwright.stages.formats.usd.zeros import ball_zeros
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.poses import at_rest, from_parts, inverse, motion
 from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Loop, Value
 from linkwright.stages.robot.motion.kinematics import chain, link_poses
@@ -72,7 +72,11 @@ class ReadUsd(ReadRobot):
 
     attribute_names = ATTRIBUTE_NAMES
     precision = Precision(
-        SINGLE_PRECISION, SINGLE_PRECISION, SINGLE_PRECISION, scales_with_size=True, massless_inertial=SPECK
+        SINGLE_PRECISION,
+        SINGLE_PRECISION,
+        SINGLE_PRECISION,
+        scales_with_size=True,
+        massless_inertial=TINY_INERTIAL,
     )
 
     def __init__(self, path: Path, written: Written) -> None:

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.names import actuator_count, controls_of
-from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.mujoco.state import keyframe_index
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.model.coordinates import BALL, FREE
 from linkwright.stages.validate.model.equality_solver import jacobian_and_errors
@@ -105,7 +105,7 @@ def _free(finished: FinishedRobot) -> int:
 
 def keyframe(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
-    key = keyframe_of(model, "home")
+    key = keyframe_index(model, "home")
     if key < 0:
         yield "write a keyframe home: keyframes"
         return

@@ -12,7 +12,7 @@ from linkwright.stages.formats import png
 from linkwright.stages.formats.mjcf import bounds as mjcf_bounds
 from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.formats.xml import Element, Malformed, parse, tag
-from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.includes import replace_includes
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.system import regular_files
 from linkwright.stages.validate.reading.asset_files import referenced_files
@@ -129,7 +129,7 @@ def _admit_included(model: Path, sizes: Sizes, seen: set[Path]) -> None:
 
     root = _parsed(model)
     if root is not None:
-        resolve(root, read)
+        replace_includes(root, read)
 
 
 def _parsed(path: Path) -> Element | None:

@@ -8,7 +8,7 @@ from typing import Literal
 from linkwright.stages.formats.mjcf.bounds import MAX_XML_BYTES
 from linkwright.stages.formats.own_xml import name_of
 from linkwright.stages.formats.xml import Element, Malformed, parse, tag
-from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.includes import replace_includes
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.system.regular_files import FileTooLarge, content, is_file
 from linkwright.stages.robot.text.plural import count
@@ -146,5 +146,5 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
         included.update(dict.fromkeys(other.iter(), place))
         return other
 
-    resolve(root, read)
+    replace_includes(root, read)
     return findings

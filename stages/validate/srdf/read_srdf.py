@@ -44,7 +44,7 @@ class ReadSrdf:
 
     def __post_init__(self) -> None:
         chains = chains_of(self.written.as_urdf.robot)
-        changes = self.written.amendments.of(f"{self.robot.name}.urdf")
+        changes = self.written.amendments.changes_of(f"{self.robot.name}.urdf")
         groups: dict[str, Element] = {}
         for node in self.root.findall("group"):
             groups.setdefault(node.get("name", ""), node)

@@ -9,7 +9,7 @@ import pytest
 
 from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters
 from linkwright.stages.formats.written import Written
-from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.contact.left_out import FilteredPairs
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.motion.start_pose import home
@@ -42,7 +42,7 @@ def wanted(robot, geometry, is_left_out):
         set(),
     )
     for first, other in itertools.combinations([link.name for link in robot.links], 2):
-        sizes = [range(len(geometry.of(link, "collision"))) for link in (first, other)]
+        sizes = [range(len(geometry.shapes_of(link, "collision"))) for link in (first, other)]
         for pair in itertools.product(*sizes):
             geoms = excludes.get((first, other))
             if (geoms is None or (geoms and pair not in geoms)) and not is_left_out(first, other):
@@ -53,7 +53,7 @@ def wanted(robot, geometry, is_left_out):
 def holds_in_mujoco(robot, geometry):
     """Whether the links of the compiled model collide as they must."""
     met = geoms_in_mujoco(compiled(exported(robot, geometry)), robot, home(robot))
-    return {frozenset(pair) for pair in met} == wanted(robot, geometry, LeftOut(robot).contains)
+    return {frozenset(pair) for pair in met} == wanted(robot, geometry, FilteredPairs(robot).contains)
 
 
 def random_excludes(rng, counts):

@@ -10,7 +10,7 @@ import pytest
 from linkwright.stages.export.mjcf.loops import stable_solref
 from linkwright.stages.export.stability.armatures import with_armatures
 from linkwright.stages.mujoco.trial import Trial, trial_run
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.model.actuation import Actuation, Armature
 from linkwright.stages.robot.model.robot import Dynamics
 from linkwright.stages.validate import validate
@@ -132,7 +132,7 @@ def test_dof_of_a_carrier_can_get_an_armature():
     arms = [joint("revolute", "base", name, [0.0]) for name in ("one", "two")]
     slide = loop("prismatic", "one", "two", np.eye(4), np.eye(4), [0.0], name="rail")
     robot = robot_with(arms, loops=[slide])
-    built = as_driven(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
+    built = with_actuation(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
     assert built.loops[0].dofs[0].dynamics.armature == 0.3
 
 

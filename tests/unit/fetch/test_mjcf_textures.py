@@ -73,7 +73,7 @@ def placed(files):
 def test_a_texture_keeps_its_coordinates_and_pixels(tmp_path):
     files = source(tmp_path / "source")
     robot, geometry, _ = built_into(tmp_path, files)
-    (shape,) = geometry.of("a", "visual")
+    (shape,) = geometry.shapes_of("a", "visual")
     assert shape.colour == (0.5, 0.75, 1.0, 1.0)
     assert np.allclose(ordered(by_trimesh(tmp_path / "assets" / "a.obj")), ordered(cube()), atol=2e-6)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
@@ -114,7 +114,7 @@ def test_coordinates_in_the_file_and_a_texture_that_mujoco_makes(tmp_path):
 def test_a_geoms_own_colour_is_times_the_image(tmp_path):
     files = source(tmp_path, GEOM.format(f'{SEEN} rgba="1 0 0 1"'), GEOM.format(SEEN))
     _, geometry, _, _ = built(files)
-    shapes = geometry.of("a", "visual")
+    shapes = geometry.shapes_of("a", "visual")
     assert {shape.colour for shape in shapes} == {(1.0, 0.0, 0.0, 1.0), (0.5, 0.75, 1.0, 1.0)}
     assert len({shape.texture for shape in shapes}) == 1
 
@@ -136,7 +136,7 @@ def test_a_texture_without_coordinates_is_named(tmp_path, geom, assets):
         whole = re.sub(assets.split()[0] + ".*?/>", assets, whole, count=1, flags=re.DOTALL)
     files = source(tmp_path, *([geom] if geom else []), assets=whole)
     _, geometry, _, _ = built(files)
-    assert [shape.texture for shape in geometry.of("a", "visual") if shape.file] in ([], [None])
+    assert [shape.texture for shape in geometry.shapes_of("a", "visual") if shape.file] in ([], [None])
     text = lost(files)
     assert "1 × material texture (painted)" in text
     assert "1 × texture (four)" in text
@@ -148,7 +148,7 @@ def test_a_texture_without_coordinates_is_named(tmp_path, geom, assets):
 def test_a_collider_that_is_not_seen_needs_no_texture(tmp_path):
     files = source(tmp_path, GEOM.format('material="painted" group="3"'), GEOM.format(SEEN))
     _, geometry, _, fetched = built(files)
-    assert len(geometry.of("a", "visual")) == 1
+    assert len(geometry.shapes_of("a", "visual")) == 1
     assert len([request for request in fetched.bundle.requests if request.startswith("mesh/")]) == 2
 
 

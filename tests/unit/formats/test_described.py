@@ -14,7 +14,7 @@ from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.formats.urdf.form import UrdfForm
 from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written, decode, encode
-from linkwright.stages.robot.dynamics.driven import as_driven
+from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.model.actuation import Actuation, Actuator, Armature
 from linkwright.stages.robot.model.amendments import Amendment, Amendments, Surplus
 from linkwright.stages.robot.model.geom_form import ContactProperties
@@ -148,7 +148,9 @@ def test_everything_is_read_back(seed):
     robot = whole(seed)
     truth = described(text(robot))
     again = truth.written
-    assert differences(as_driven(robot, ACTUATION), again.robot, NEAR, {"base": "", "keyframes": ""}) == []
+    assert (
+        differences(with_actuation(robot, ACTUATION), again.robot, NEAR, {"base": "", "keyframes": ""}) == []
+    )
     assert (again.robot.base.joint, again.robot.keyframes) == ("base_free", robot.keyframes)
     for first, other in (
         (ACTUATION, again.actuation), (FORM, again.urdf_form), (SENSING, again.sensing),
@@ -205,7 +207,9 @@ def test_cached_robot_is_read_as_it_was_written(seed):
     """Nothing is left out: each field differs from its default, except `srdf_form`, which no build sets."""
     robot = whole(seed)
     forms = urdf_form(robot, merged=True), mjcf_written.mjcf_form(robot)
-    written = Written(as_driven(robot, ACTUATION), ACTUATION, GEOMETRY, *forms, SENSING, AMENDMENTS, SCENE)
+    written = Written(
+        with_actuation(robot, ACTUATION), ACTUATION, GEOMETRY, *forms, SENSING, AMENDMENTS, SCENE
+    )
     bare = Written(robot)
     names = [field.name for field in fields(Written)]
     same = [name for name in names if getattr(written, name) == getattr(bare, name)]

@@ -68,7 +68,7 @@ def codes(geometry):
 
 
 def primitives(geometry):
-    return [shape.primitive.kind for shape in geometry.of("base", "collision") if shape.primitive]
+    return [shape.primitive.kind for shape in geometry.shapes_of("base", "collision") if shape.primitive]
 
 
 BRACKET = "Arm <1>/Bracket <1>"
@@ -110,14 +110,14 @@ def test_globs_choose_by_part_and_the_last_wins(colliders, block, bracket):
 def test_glob_on_a_link_is_for_all_of_its_parts_together():
     geometry = made(BOTH, colliders={"base": "box"})
     assert list(kinds(geometry).values()) == ["box"]
-    (shape,) = geometry.of("base", "collision")
+    (shape,) = geometry.shapes_of("base", "collision")
     # From the left face of the block to the right end of the bracket.
     assert max(shape.primitive.size) == pytest.approx(0.33, abs=0.01)
 
 
 def test_settings_of_a_glob_replace_those_of_the_mesh():
     ball = made(robot(part("Block <1>")), colliders={"Block": {"sphere": {"radius": 0.02}}})
-    (shape,) = ball.of("base", "collision")
+    (shape,) = ball.shapes_of("base", "collision")
     assert (shape.primitive.kind, shape.primitive.size) == ("sphere", (0.02,))
     loose = {"make": "ladder", "tolerance": 0.05, "extra_volume": 100}
     (collider,) = made(robot(part("Bracket <1>")), colliders={"Bracket": loose}).colliders
@@ -169,7 +169,7 @@ def test_each_part_is_made_once_however_often_it_is_used():
     geometry = made(value, memo=memo, tolerance=0.0015)
     steps = [step for kind, step, _ in calls if kind == "mesh.collider"]
     assert steps == ["make", "together", "improve"]
-    assert (len(geometry.colliders), len(geometry.of("base", "collision"))) == (4, 8)
+    assert (len(geometry.colliders), len(geometry.shapes_of("base", "collision"))) == (4, 8)
     (key_of_part,) = {collider.key for collider in geometry.colliders}
     assert [step for _, step, key in calls if key == key_of_part] == ["make", "improve"]
 
@@ -200,7 +200,7 @@ def test_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch):
 
 
 def loaded(geometry):
-    files = [shape.file for shape in geometry.of("base", "collision") if shape.file]
+    files = [shape.file for shape in geometry.shapes_of("base", "collision") if shape.file]
     return [trimesh.load(io.BytesIO(geometry.files[file]), file_type="stl") for file in files]
 
 

@@ -102,7 +102,7 @@ def test_raw_meshes_are_reported_and_missing_colliders_are_not(kit, collider, co
     hinged(kit)
     _, geometry, _ = shaped(kit.document, mesh={"collider": collider})
     assert [problem.code for problem in geometry.diagnostics] == codes
-    assert bool(geometry.of("arm", "collision")) == (collider == "raw")
+    assert bool(geometry.shapes_of("arm", "collision")) == (collider == "raw")
 
 
 def test_settings_that_a_maker_reads_are_part_of_its_key(kit):
@@ -124,7 +124,7 @@ def test_collision_travels_as_bytes():
     solid = tetrahedron(0.5)
     original = Collision((solid, BALL, solid), 4, measures, "pieces", 1e-3, False, "a note", True)
     again = collision.decode(collision.encode(original))
-    assert codec.plain(again.pieces[1]) == codec.plain(BALL)
+    assert codec.plain_data(again.pieces[1]) == codec.plain_data(BALL)
     for piece in again.pieces[::2]:
         assert np.array_equal(piece.corners, solid.corners)
     assert asdict(replace(again, pieces=())) == asdict(replace(original, pieces=()))
@@ -139,7 +139,7 @@ def test_link_with_several_colliders_has_them_all_in_every_file(kit, tmp_path, m
     robot, geometry, plan = shaped(kit.document)
     # The last has the same bytes as that of the base.
     names = ["arm_collision_1.stl", None, "base_collision_2.stl"]
-    assert [shape.file for shape in geometry.of("arm", "collision")] == names
+    assert [shape.file for shape in geometry.shapes_of("arm", "collision")] == names
     write(robot, tmp_path, plan, geometry)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     kinds = [KINDS.get(int(model.geom(f"arm_collision_{number}").type[0]), "mesh") for number in range(3)]
@@ -161,7 +161,7 @@ def test_fitted_primitives_are_in_both_files_where_they_fit(kit, tmp_path, monke
     hinged(kit)
     robot, geometry, plan = shaped(kit.document, ground={"kind": "none"})
     write(robot, tmp_path, plan, geometry)
-    fitted = [shape.primitive for shape in geometry.of("arm", "collision")]
+    fitted = [shape.primitive for shape in geometry.shapes_of("arm", "collision")]
     assert [primitive.kind for primitive in fitted] == ["sphere", "capsule", "box", "cylinder"]
     where = robot.world_from_root @ link_poses(robot)["arm"]
     in_mjcf, in_urdf = (shapes_of(tmp_path / name, "arm") for name in ("robot.xml", "robot.urdf"))
@@ -225,4 +225,4 @@ def test_order_of_triangles_does_not_matter_to_spheres():
     surface = of_mesh(trimesh.creation.annulus(0.01, 0.02, 0.01))
     shuffled = Surface(surface.vertices, np.random.default_rng(1).permutation(surface.triangles))
     first, second = (spheres.make([part], SphereSettings()).pieces for part in (surface, shuffled))
-    assert codec.plain(first) == codec.plain(second)
+    assert codec.plain_data(first) == codec.plain_data(second)

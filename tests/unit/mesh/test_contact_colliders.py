@@ -52,7 +52,7 @@ def made(robot, collider, **section):
 def test_parts_are_kept_apart_and_named(collider):
     robot = meshed(["Pad", "Rack"], ball(0.004, at(0, 0.5, 0)))
     geometry = made(robot, collider)
-    assert [shape.collider for shape in geometry.of("left", "collision")] == [0, 1, None]
+    assert [shape.collider for shape in geometry.shapes_of("left", "collision")] == [0, 1, None]
     names = [figures.parts for figures in geometry.colliders if figures.link == "left"]
     rack = names.index(("Rack <1>",))
     assert with_reason(geometry, "Always").geoms == ((rack, rack),)
@@ -66,7 +66,7 @@ def test_shapes_are_counted_without_meshes_that_are_not_written():
     """The parts come before the user's shapes; they are not written, and so they touch nothing."""
     robot = meshed(["Pad"], *gripper().link("left").shapes)
     geometry = made(robot, "raw", assets="none")
-    assert len(geometry.of("left", "collision")) == 2
+    assert len(geometry.shapes_of("left", "collision")) == 2
     assert with_reason(geometry, "Always").geoms == ((0, 0),)
     closed = geoms_in_mujoco(compiled(exported(robot, geometry)), robot, CLOSED)
     assert closed == {(("left", 1), ("right", 1))}
@@ -77,7 +77,7 @@ def test_shapes_are_counted_without_meshes_that_are_not_written():
 def test_work_is_repeated_where_pieces_change_their_collider():
     robot, memo = gripper(), Memory()
     geometry = made(robot, "primitives")
-    shapes = [shape for link in robot.links for shape in geometry.of(link.name, "collision")]
+    shapes = [shape for link in robot.links for shape in geometry.shapes_of(link.name, "collision")]
 
     # The racks always touch and the pads seldom, as colliders of their own or as two pieces of one.
     for numbers in ([0, 0, 1, 0, 1], [0, 0, 0, 0, 0]):

@@ -321,7 +321,9 @@ def test_parts_without_a_sound_mesh_are_reported_once(links, expects, shapes):
     result = geometry(robot(**links))
     assert [(row.code, row.where) for row in result.diagnostics] == [row[:2] for row in expects]
     assert all(text in row.message for row, (*_, text) in zip(result.diagnostics, expects, strict=True))
-    assert {link: len(result.of(link, "visual") + result.of(link, "collision")) for link in links} == {
+    assert {
+        link: len(result.shapes_of(link, "visual") + result.shapes_of(link, "collision")) for link in links
+    } == {
         **dict.fromkeys(links, 0),
         **shapes,
     }

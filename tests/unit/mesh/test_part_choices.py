@@ -110,7 +110,7 @@ def test_base_for_legged_robots_needs_no_feet(tmp_path):
     log = Diagnostics(optional=plan.optional)
     part_choices(links[:1], plan, False, log)
     part_choices(links, plan_of(geoms={"*hoof*": plan.geoms[glob].model_dump()}), False, log)
-    problems = [(problem.code, problem.where) for problem in (*log.found, *log.problems)]
+    problems = [(problem.code, problem.where) for problem in (*log.notes, *log.problems)]
     assert problems == [("I-GLOB", "geoms"), ("E-GLOB", "geoms")]
 
 
@@ -130,9 +130,9 @@ def test_part_that_is_named_has_a_collider_of_its_own(kit, glob, collider, prior
     kit.root.fasten("On", (foot, SIDE), (shank, SIDE))
     keys = {"geoms": {glob: {"collision": RUBBER}}, "mesh": {"collider": collider}}
     _, geometry, _ = shaped(kit.document, **keys)
-    contacts = [shape.contact for shape in geometry.of("shank", "collision")]
+    contacts = [shape.contact for shape in geometry.shapes_of("shank", "collision")]
     assert sorted(contact.priority if contact else 0 for contact in contacts) == priorities
-    unnamed = (*geometry.of("base", "collision"), *geometry.of("shank", "visual"))
+    unnamed = (*geometry.shapes_of("base", "collision"), *geometry.shapes_of("shank", "visual"))
     assert {shape.contact for shape in unnamed} == {None}
 
 
@@ -160,7 +160,7 @@ def test_globs_on_links_and_parts(visual, collision, seen, solid):
     geometry = made(BOTH, ignore={"visual": visual, "collision": collision})
     assert {shape.file or "primitive" for shape in geometry.shapes if shape.role == "visual"} == seen
     assert [tuple(sorted(names)) for names in kinds(geometry)] == solid
-    balls = [shape for shape in geometry.of("base", "collision") if shape.primitive is not None]
+    balls = [shape for shape in geometry.shapes_of("base", "collision") if shape.primitive is not None]
     assert len(balls) == ("*" not in collision)
 
 

@@ -80,7 +80,7 @@ def test_poisoned_mesh_ends_in_a_collider_or_a_diagnostic(name, collider):
         return
     geometry, model = made(mesh, collider)
     assert cpu() - before < SECONDS
-    solid = geometry.of("base", "collision")
+    solid = geometry.shapes_of("base", "collision")
     assert solid or codes(geometry) or collider == "visual"
     if collider == "tolerance":
         ends = ENDS.get(name, set())
@@ -110,7 +110,7 @@ def test_quarter_of_a_million_rough_faces_end_too():
     before = cpu()
     geometry, _ = made(torus(1e-4, count=500), "tolerance")
     assert cpu() - before < 4 * SECONDS
-    assert geometry.of("base", "collision")
+    assert geometry.shapes_of("base", "collision")
 
 
 @pytest.fixture

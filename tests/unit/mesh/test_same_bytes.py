@@ -63,4 +63,4 @@ def test_workers_and_the_order_of_parts_change_no_byte(mesh, colliders, monkeypa
     assert len(single.colliders) == colliders
     for seed in (1, 2):
         other = geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch)
-        assert (other.files, codec.plain(other)) == (single.files, codec.plain(single))
+        assert (other.files, codec.plain_data(other)) == (single.files, codec.plain_data(single))

@@ -39,7 +39,7 @@ def corners(folder, name="a.obj"):
 
 def test_every_corner_has_its_place_in_the_image_in_every_file(tmp_path):
     built, geometry, plan = built_into(tmp_path, robot(tmp_path))
-    (shape,) = geometry.of("a", "visual")
+    (shape,) = geometry.shapes_of("a", "visual")
     assert (shape.file, shape.colour) == ("a.obj", (0.501961, 0.74902, 1.0, 1.0))
     assert sorted(geometry.files) == ["a.mtl", "a.obj", shape.texture]
     assert geometry.files[shape.texture] == image()
@@ -100,7 +100,7 @@ def test_image_is_one_file_and_a_mesh_has_one_image_and_colour(tmp_path):
         },
     )
     _, geometry, _ = built_into(tmp_path, source)
-    shapes = geometry.of("a", "visual")
+    shapes = geometry.shapes_of("a", "visual")
     faces = sorted((shape.faces, shape.texture is None) for shape in shapes)
     assert faces == [(12, False), (12, True), (24, False)]
     assert len({shape.colour for shape in shapes}) == 1
@@ -118,7 +118,7 @@ def test_texture_may_be_on_some_faces_only(tmp_path):
     mtl = MTL + b"newmtl plain\nKd 1 0 0\n"
     source = robot(tmp_path, visual("two.obj"), **{"two.obj": "\n".join(lines).encode(), "two.mtl": mtl})
     _, geometry, _ = built_into(tmp_path, source)
-    shapes = {(shape.file, shape.faces, shape.texture is None) for shape in geometry.of("a", "visual")}
+    shapes = {(shape.file, shape.faces, shape.texture is None) for shape in geometry.shapes_of("a", "visual")}
     assert shapes == {("a_1.obj", 9, False), ("a_2.stl", 3, True)}
     assert np.allclose(corners(tmp_path, "a_1.obj"), ordered(cube()[:9]))
 
@@ -143,14 +143,14 @@ def test_textured_mesh_is_an_obj_and_absent_without_assets(tmp_path):
 def test_parts_have_their_own_meshes_and_share_the_image(tmp_path):
     source = robot(tmp_path, visual("cube.obj"), visual("cube.obj", xyz="1 0 0"))
     _, geometry, _ = built_into(tmp_path, source, visual={"merge": "part"})
-    assert [shape.faces for shape in geometry.of("a", "visual")] == [12, 12]
+    assert [shape.faces for shape in geometry.shapes_of("a", "visual")] == [12, 12]
     assert {Path(name).suffix for name in geometry.files} == {".obj", ".mtl", ".png"}
     assert len([name for name in geometry.files if name.endswith(".png")]) == 1
 
 
 def test_textured_part_keeps_its_triangles_and_a_warning_says_so(tmp_path):
     _, geometry, _ = built_into(tmp_path, robot(tmp_path), visual={"max_faces": 10})
-    assert [shape.faces for shape in geometry.of("a", "visual")] == [12]
+    assert [shape.faces for shape in geometry.shapes_of("a", "visual")] == [12]
     (warning,) = [diagnostic for diagnostic in geometry.diagnostics if diagnostic.code == "W-VISUAL-FACES"]
     assert "texture" in warning.message
 
@@ -167,7 +167,7 @@ def test_order_of_triangles_and_points_does_not_matter(tmp_path):
 def test_large_meshes_are_several_files_with_one_image(tmp_path, monkeypatch):
     monkeypatch.setattr("linkwright.stages.mesh.files.mesh_file.MAX_FACES", 7)
     _, geometry, _ = built_into(tmp_path, robot(tmp_path))
-    shapes = geometry.of("a", "visual")
+    shapes = geometry.shapes_of("a", "visual")
     assert [shape.faces for shape in shapes] == [6, 6]
     assert len({shape.texture for shape in shapes}) == 1
     halves = [by_trimesh(tmp_path / "assets" / shape.file) for shape in shapes]

@@ -56,7 +56,9 @@ def test_each_link_has_one_file_with_the_triangles_of_its_meshes(whole):
     names = {"base": "base.glb", "left": "left.glb", "right": "left.glb"}
     assert {shape.link: shape.file for shape in geometry.whole_visuals} == names
     for shape in geometry.whole_visuals:
-        parts = [triangles(folder / "assets" / part.file) for part in geometry.of(shape.link, "visual")]
+        parts = [
+            triangles(folder / "assets" / part.file) for part in geometry.shapes_of(shape.link, "visual")
+        ]
         corners = triangles(folder / "assets" / shape.file)
         assert np.array_equal(corners, ordered(np.concatenate(parts)))
         assert len(corners) == shape.faces
@@ -177,7 +179,8 @@ def test_files_are_a_source_of_the_same_robot(tmp_path, up):
     _, second, _ = built_into(tmp_path / "second", again)
     for link in ("base", "left"):
         first, other = (
-            sorted(shapes.of(link, "visual"), key=lambda shape: shape.colour) for shapes in (geometry, second)
+            sorted(shapes.shapes_of(link, "visual"), key=lambda shape: shape.colour)
+            for shapes in (geometry, second)
         )
         assert [(row.colour, row.faces) for row in first] == [(row.colour, row.faces) for row in other]
         assert np.allclose([row.bounds for row in first], [row.bounds for row in other], atol=1e-6)

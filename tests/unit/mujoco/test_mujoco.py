@@ -7,9 +7,9 @@ from linkwright.stages.formats.mjcf.controls import control_count
 from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_file, compiled_text
 from linkwright.stages.mujoco.fields import general_attributes
-from linkwright.stages.mujoco.includes import resolve
+from linkwright.stages.mujoco.includes import replace_includes
 from linkwright.stages.mujoco.names import OBJ, actuator_count, controls_of, count_of
-from linkwright.stages.mujoco.state import at_keyframe, keyframe_of
+from linkwright.stages.mujoco.state import at_keyframe, keyframe_index
 from linkwright.stages.validate.simulate.noise import control_ranges
 
 WRONG = b'<mujoco><worldbody><geom type="mesh" mesh="lost"/></worldbody></mujoco>'
@@ -102,14 +102,14 @@ def test_document_without_includes_is_what_mujoco_reads(tmp_path):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
     root = parse(FILES["scene.xml"].encode())
-    resolve(root, lambda include: parse(FILES[include.get("file")].encode()))
+    replace_includes(root, lambda include: parse(FILES[include.get("file")].encode()))
     names = bodies(compiled_text(to_bytes(root), {}))
     assert names == bodies(compiled_file(tmp_path / "scene.xml")) == list("abcdef")
 
 
 def test_file_that_is_not_read_includes_nothing():
     root = parse(FILES["scene.xml"].encode())
-    resolve(root, lambda _: None)
+    replace_includes(root, lambda _: None)
     assert list(root.iter("include")) == []
     assert bodies(compiled_text(to_bytes(root), {})) == ["a", "f"]
 
@@ -121,6 +121,6 @@ TEXT = b"""<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></wo
 
 def test_state_is_that_of_the_keyframe_and_else_qpos0():
     model = compiled_text(TEXT, {})
-    assert [keyframe_of(model, name) for name in ("up", "home", "lost")] == [0, 1, -1]
+    assert [keyframe_index(model, name) for name in ("up", "home", "lost")] == [0, 1, -1]
     assert [at_keyframe(model, name).qpos[0] for name in ("up", "home", "lost")] == [1, 0.5, 0]
     assert at_keyframe(model).ctrl[0] == 0.25

@@ -187,7 +187,7 @@ def test_interrupt_ends_it_with_all_that_it_started(run_guest, tmp_path, monkeyp
             raise KeyboardInterrupt
         return 0
 
-    monkeypatch.setattr(process_usage, "resident", interrupted)
+    monkeypatch.setattr(process_usage, "resident_memory", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_guest(ENDLESS, str(place).encode())
     assert gone(place)
@@ -236,7 +236,7 @@ def test_guest_finds_a_package_that_is_not_installed(tmp_path):
 
 
 def test_memory_is_known_without_proc_too(monkeypatch):
-    resident = process_usage.resident(os.getpid())
+    resident = process_usage.resident_memory(os.getpid())
     monkeypatch.setattr(process_usage, "_STATM", "/nowhere/{}")
-    assert process_usage.resident(os.getpid()) == pytest.approx(resident, rel=0.2)
-    assert process_usage.resident(2**22 + 1) == 0
+    assert process_usage.resident_memory(os.getpid()) == pytest.approx(resident, rel=0.2)
+    assert process_usage.resident_memory(2**22 + 1) == 0

@@ -14,7 +14,7 @@ from linkwright.pipeline import errors
 from linkwright.stages.formats import xml
 from linkwright.stages.robot import errors as tree
 from linkwright.stages.robot.text.globs import no_match_hint
-from linkwright.stages.robot.text.names import legal, shortest_unique
+from linkwright.stages.robot.text.names import legal_name, shortest_unique
 from linkwright.stages.robot.text.printable import printable, printable_lines
 
 
@@ -24,7 +24,7 @@ from linkwright.stages.robot.text.printable import printable, printable_lines
     ("腕 <1>", ""), ("Left arm", "left_arm"),
 ])  # fmt: skip
 def test_typed_name_becomes_legal(typed, name):
-    assert legal(typed) == name
+    assert legal_name(typed) == name
 
 
 def test_shortest_tail_that_is_unique_names_it():

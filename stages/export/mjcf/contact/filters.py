@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from linkwright.stages.robot.contact.left_out import LeftOut
+from linkwright.stages.robot.contact.left_out import FilteredPairs
 from linkwright.stages.robot.model.geometry import Exclude, Geometry
 from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.robot.motion.adjacency import Pair
@@ -58,7 +58,7 @@ class Filters:
 def filters(robot: Robot, geometry: Geometry) -> Filters:
     """Returns the filters for the excludes of `geometry`, without pairs that MuJoCo leaves out by itself or
     that an MJCF source already excludes."""
-    left_out = LeftOut(robot)
+    left_out = FilteredPairs(robot)
     needed = [
         exclude
         for exclude in geometry.excludes
@@ -88,7 +88,7 @@ def filters(robot: Robot, geometry: Geometry) -> Filters:
 def _geom_pairs(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[int, int]]:
     """Returns each geom of the first link with each geom of the second."""
     firsts, seconds = (
-        range(len(geometry.of(link, "collision"))) for link in (exclude.link_a, exclude.link_b)
+        range(len(geometry.shapes_of(link, "collision"))) for link in (exclude.link_a, exclude.link_b)
     )
     return product(firsts, seconds)
 
@@ -120,7 +120,7 @@ def _geoms(robot: Robot, excludes: Sequence[Exclude]) -> list[Geom]:
 
 
 def _classes(
-    geoms: Sequence[Geom], excludes: Sequence[Exclude], left_out: LeftOut
+    geoms: Sequence[Geom], excludes: Sequence[Exclude], left_out: FilteredPairs
 ) -> tuple[list[list[Geom]], _Wants]:
     """Returns few classes of geoms with compatible wants, and the wants of the classes. Each geom joins the
     first class that fits."""

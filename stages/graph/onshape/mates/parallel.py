@@ -105,7 +105,7 @@ def combine_mates(
             or not _join(views, work)
         ):
             work.mates.extend(group)
-    log.add(diagnostic for diagnostic in work.log.found if not work.welds or diagnostic.code == RIGID_CODE)
+    log.add(diagnostic for diagnostic in work.log.notes if not work.welds or diagnostic.code == RIGID_CODE)
     return CombinedMates(tuple(work.mates), tuple(work.welds), work.absorbed)
 
 
@@ -276,7 +276,7 @@ def _absorb(
         work.absorbed[mate_view.mate.ref.key] = Absorbed(remaining.mate.ref.key, moved_dofs)
     origin = remaining.mate.limit_origin
     for mate_view in absorbed:
-        origin = origin.with_those_of(mate_view.mate.title, mate_view.mate.limit_origin)
+        origin = origin.merged_with(mate_view.mate.title, mate_view.mate.limit_origin)
     work.mates.append(with_dof_limits(remaining, limits, origin))
     word = JOINT_TYPES[remaining.mate.ref.type]
     work.log.report(

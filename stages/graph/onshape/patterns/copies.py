@@ -41,7 +41,7 @@ class CopySeries:
 
     def repeats_features_of(self, owner: Path) -> bool:
         """Tells whether mates and groups of the assembly `owner` are repeated for the copies."""
-        return owner in (self.pattern.owner, self.support.level)
+        return owner in (self.pattern.owner, self.support.assembly)
 
 
 def copy_series_by_seed(
@@ -66,7 +66,7 @@ def copy_series_by_seed(
         images = planes.images(pattern)
         # Without images, nothing is copied.
         support = search.support(seeds, pattern.owner, rigid_assemblies) if images else Support(pattern.owner)
-        supported_copies = _supported_copies(pattern.owner, support.level, images.keys(), seeds, search)
+        supported_copies = _supported_copies(pattern.owner, support.assembly, images.keys(), seeds, search)
         unsupported_copies = frozenset(images.keys() - supported_copies)
         # Only copies that consist of other parts than their seeds have leaves: mirror-image parts.
         bare_mirror_copies = frozenset(
@@ -115,7 +115,7 @@ def _supported_copies(
     """Returns the copies that mates or groups of their own support. Mates that only join a copy to something
     that it carries do not support it.
 
-    `owner`: the pattern's assembly; `support_assembly`: `Support.level`, the assembly whose mates and
+    `owner`: the pattern's assembly; `support_assembly`: `Support.assembly`, the assembly whose mates and
     groups support the seeds.
     """
     members = {*copies, *seeds}

@@ -36,7 +36,7 @@ class Feature:
 class Support:
     """The support of the seeds of a pattern."""
 
-    level: Path
+    assembly: Path
     """The assembly whose mates and mate groups support the seeds."""
     dependents: frozenset[Path] = frozenset()
     """Instances of that assembly that only the seeds support."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from linkwright.stages.graph.section import JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot
-from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
@@ -143,7 +143,7 @@ def _report_idle(glob: str, section: JointSection, loops: Sequence[Loop], log: D
     """Reports W-LOOP-DYNAMICS for dynamics of dofs that are not simulated. The glob "*" means only the
     simulated dofs, so it is not reported."""
     quantities = [key for key in (*Dynamics.__slots__, "rotor_inertia") if getattr(section, key) is not None]
-    idle = [dof.name for loop in loops if loop.type in POINTWISE for dof in loop.dofs]
+    idle = [dof.name for loop in loops if loop.type in POINTWISE_TYPES for dof in loop.dofs]
     idle = [name for name in idle if matches_glob(name, glob)]
     if glob != "*" and quantities and idle:
         verb = "has" if len(quantities) == 1 else "have"

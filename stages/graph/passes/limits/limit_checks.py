@@ -11,7 +11,7 @@ from linkwright.stages.graph.section import GraphSections, JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.dofs import AS_TYPED
 from linkwright.stages.robot.model.robot import Dof, DofKind, Joint, Limits, Loop, Robot, Value
-from linkwright.stages.robot.motion.loops import POINTWISE
+from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.text.globs import matches_glob, yaml_key
 
 LOCKED_PLAY = 1e-6
@@ -59,7 +59,7 @@ def check_limits(
         joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})
     ]
     _report_missing(robot, decided_globs, log, has_saved_pose)
-    unenforced_dofs = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
+    unenforced_dofs = {dof.name for loop in robot.loops if loop.type in POINTWISE_TYPES for dof in loop.dofs}
     return with_each_dof(
         robot, lambda dof: dof if dof.name in unenforced_dofs else _check_dof(dof, log, has_saved_pose)
     )
@@ -78,7 +78,7 @@ def report_loop_limits(robot: Robot, log: Diagnostics) -> None:
             if dof.limits.origin.unknown:
                 text = f"its limits in CAD are unknown: {dof.limits.origin.unknown}"
                 log.report("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
-            if loop.type in POINTWISE and dof.limits != Limits():
+            if loop.type in POINTWISE_TYPES and dof.limits != Limits():
                 text = "this mate closes a loop, where its limits are not enforced"
                 hint = "leave one mate of the loop without limits: that mate will close it"
                 log.report("W-LOOP-LIMIT", text, dof.name, hint)

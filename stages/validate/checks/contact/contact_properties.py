@@ -38,7 +38,7 @@ def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     model, shapes = compiled.model, geometry.by_link()
     geoms_by_body = seen_and_solid(model)
     set_by_user = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
-    changed = bool(compiled.written.amendments.of(compiled.path.name))
+    changed = bool(compiled.written.amendments.changes_of(compiled.path.name))
     for link in compiled.robot.links:
         expected = shapes[link.name, "collision"]
         _, geoms = geoms_by_body.get(body_index(model, link.name), ([], []))

@@ -127,7 +127,7 @@ def _added_geoms(
     """Returns the geoms that a body has in addition to the robot's, wherever they are in the order: without
     them the rest fits. Returns none if the user's own XML changes the file, since its geoms come last."""
     surplus_count = len(geoms) - len(expected)
-    if surplus_count <= 0 or compiled.written.amendments.of(compiled.path.name):
+    if surplus_count <= 0 or compiled.written.amendments.changes_of(compiled.path.name):
         return []
     added: list[int] = []
     at = 0

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
-from linkwright.stages.mujoco.state import at_keyframe, keyframe_of
+from linkwright.stages.mujoco.state import at_keyframe, keyframe_index
 from linkwright.stages.robot.check import Check, CheckLevel, Finding
 from linkwright.stages.robot.model.geometry import Touch
 from linkwright.stages.robot.model.scene import FLOOR
@@ -63,7 +63,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     """Yields an error for overlaps at `home`. For overlaps at qpos0 it yields a warning if there is a `home`
     to start from, else an error."""
     model = compiled.model
-    has_home = keyframe_of(model, HOME) >= 0
+    has_home = keyframe_index(model, HOME) >= 0
     if not model.ngeom:
         return
     if has_home:
@@ -155,5 +155,5 @@ def _of_the_world(compiled: CompiledModel, geom: int, depth: float) -> tuple[str
 
 def _colliders_of_the_world(compiled: CompiledModel) -> list[int]:
     """Returns the geoms of a root that is the world, which precede those of the scene."""
-    number = 0 if compiled.geometry is None else len(compiled.geometry.of("world", "collision"))
+    number = 0 if compiled.geometry is None else len(compiled.geometry.shapes_of("world", "collision"))
     return seen_and_solid(compiled.model).get(0, ([], []))[1][:number]

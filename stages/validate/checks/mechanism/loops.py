@@ -15,7 +15,7 @@ from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS
 from linkwright.stages.robot.model.robot import Loop, Value
 from linkwright.stages.robot.motion.dof_ranges import ranges
-from linkwright.stages.robot.motion.loops import CLOSED, gap
+from linkwright.stages.robot.motion.loops import MAX_CLOSED_GAP, gap
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import few, named, shown
@@ -132,7 +132,7 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
         set_values(model, data, robot, q, urdf=True)
         poses = {link.name: link_pose(model, data, robot, link.name) for link in robot.links}
         worst, worst_loop = max((worst, worst_loop), *((gap(loop, poses), loop.name) for loop in closed))
-    allowed = max(CLOSED, *(2 * loop.residual for loop in closed))
+    allowed = max(MAX_CLOSED_GAP, *(2 * loop.residual for loop in closed))
     detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {worst_loop}"
     findings = [
         Finding(

@@ -15,7 +15,7 @@ import numpy as np
 
 from linkwright.stages.formats.urdf.names import urdf_names
 from linkwright.stages.robot.check import Check, Finding
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.system.install import install
 from linkwright.stages.robot.text.globs import name_list
@@ -103,7 +103,7 @@ def _parity_check(
         if not value <= TOLERANCE
     ]
     carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
-    changes = compiled.written.amendments.of(compiled.path.name)
+    changes = compiled.written.amendments.changes_of(compiled.path.name)
     added = [change.key for change in changes if ELEMENTS_WITH_MASS & {*" ".join(change.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
@@ -133,11 +133,13 @@ def _pose_errors(computed: Mapping[str, Array], expected: Mapping[str, Array]) -
 
 def _specks(robot: Robot, expected: Moving) -> float:
     """Returns the inertia [kg m²] that the links which only a URDF has may add to an entry of the mass
-    matrix. Links between the dofs of a joint, frames and both sides of loops have `SPECK` each."""
+    matrix. Links between the dofs of a joint, frames and both sides of loops have `TINY_INERTIAL` each."""
     between = sum(len(names) for names in urdf_names(robot).links_between.values())
     number = between + len(robot.frames) + 2 * len(robot.loops)
     reach = max(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.poses.values())
-    return number * (float(SPECK.inertia.max()) + SPECK.mass * (1.0 + 3.0 * (2.0 * reach) ** 2))
+    return number * (
+        float(TINY_INERTIAL.inertia.max()) + TINY_INERTIAL.mass * (1.0 + 3.0 * (2.0 * reach) ** 2)
+    )
 
 
 def _axes_change(robot: Robot) -> float:

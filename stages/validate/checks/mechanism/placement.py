@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.names import body_index
-from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.mujoco.state import keyframe_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.compiled import CompiledModel
@@ -60,7 +60,7 @@ def _in_keyframes(
         return
     at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
     for name, expected in keyframes:
-        key = keyframe_of(model, name)
+        key = keyframe_index(model, name)
         if key < 0:
             continue
         numbers = model.key_qpos[key][at : at + 7]

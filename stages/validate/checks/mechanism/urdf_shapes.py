@@ -48,7 +48,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         expected = {
             key: [replace(solid, colour=None) for solid in solids] for key, solids in expected.items()
         }
-    is_amended = bool(compiled.written.amendments.of(compiled.path.name))
+    is_amended = bool(compiled.written.amendments.changes_of(compiled.path.name))
     findings = [
         finding for row in urdf.links for finding in _link_differences(row, expected, is_amended=is_amended)
     ]

@@ -82,7 +82,7 @@ def _value(value: Any) -> Any:
 def _largest(compiled: CompiledModel, name: str, force: Array) -> float:
     """Returns the largest force that holds the weight. For a robot on its feet it is at least the load of the
     joint, which the export stage computes from the weight on the feet."""
-    drive = compiled.written.actuation.of(name)
+    drive = compiled.written.actuation.actuator_of(name)
     load = drive.load if drive is not None and not compiled.robot.base.fixed else None
     return max(float(np.abs(force).max()), load or 0.0)
 

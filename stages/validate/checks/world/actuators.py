@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.names import actuator_count, controls_of, index_of, joint_index
-from linkwright.stages.mujoco.state import keyframe_of
+from linkwright.stages.mujoco.state import keyframe_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.dynamics.holding_control import holding_control, holding_state, torque_per_volt
 from linkwright.stages.robot.model.actuation import Actuator
@@ -96,7 +96,7 @@ def _ranges(model: Any, index: int, actuator: Actuator, element: str) -> Iterato
 def _at_rest(model: Any, index: int, actuator: Actuator, name: str, value: Value) -> Iterator[Finding]:
     """Compares the control and the state at a keyframe, with the dof at `value`. Only `home` must exist here:
     another check looks for the other keyframes."""
-    key = keyframe_of(model, name)
+    key = keyframe_index(model, name)
     assert not isinstance(value, tuple), "an actuator drives one turn or slide"
     force = actuator.force_at(name)
     state = holding_state(actuator, value, force)

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from linkwright.stages.mujoco.names import joint_index
-from linkwright.stages.mujoco.state import at_key, at_keyframe, keyframe_of
+from linkwright.stages.mujoco.state import at_keyframe, at_keyframe_index, keyframe_index
 from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Configuration, Robot
@@ -39,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
     yield _at_rest(compiled)
-    if keyframe_of(compiled.model, SAVED) >= 0:
+    if keyframe_index(compiled.model, SAVED) >= 0:
         yield _closed(compiled)
 
 
@@ -47,7 +47,7 @@ def _at_rest(compiled: CompiledModel) -> Check:
     """Checks that nothing moves in the robot's keyframes."""
     model, findings = compiled.model, list[Finding]()
     for name in keyframes(compiled.robot):
-        key = keyframe_of(model, name)
+        key = keyframe_index(model, name)
         for at in np.flatnonzero(model.key_qvel[key]) if key >= 0 and not compiled.sets("qvel") else ():
             joint = model.joint(int(model.dof_jntid[at])).name
             message = f"moves {joint} at {shown(model.key_qvel[key][at])}, expected 0"
@@ -60,12 +60,12 @@ def _at_rest(compiled: CompiledModel) -> Check:
 def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
     """Compares the values and links at a keyframe with the robot's."""
     model = compiled.model
-    key = keyframe_of(model, name)
+    key = keyframe_index(model, name)
     if key < 0:
         missing = Finding(named("key", name), "name", "there is no keyframe of this name")
         detail = f"there is no keyframe {name}"
         return compiled.result(f"keyframe {name}", False, detail, findings=(missing,))
-    data = at_key(model, key)
+    data = at_keyframe_index(model, key)
     mujoco.mj_kinematics(model, data)
     difference = _difference(model, data, compiled.robot, pose)
     detail = f"values and links against {MEANINGS.get(name, USER_MEANING)}"

@@ -65,7 +65,11 @@ DOFS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("arma
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares a scene with the MJCF of the robot, if that compiles."""
     mjcf = compiled.path.with_name(f"{compiled.robot.name}.xml")
-    if not mjcf.exists() or mjcf == compiled.path or compiled.written.amendments.of(compiled.path.name):
+    if (
+        not mjcf.exists()
+        or mjcf == compiled.path
+        or compiled.written.amendments.changes_of(compiled.path.name)
+    ):
         return
     robot = _compiled(mjcf)
     if robot is None:

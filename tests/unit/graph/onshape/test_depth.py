@@ -89,7 +89,7 @@ def test_depth_says_what_moves_inside(nested, depth, stay):
 
 def test_frozen_joints_are_counted_for_the_outermost_assembly(nested):
     _, log = joined(nested, max=1)
-    counted = [(problem.where, problem.message.split(": ")[1]) for problem in log.found]
+    counted = [(problem.where, problem.message.split(": ")[1]) for problem in log.notes]
     assert counted == [(f"Fore arm <{n}>/Gripper <1>", "2 joints inside it cannot move") for n in (1, 2)]
 
 
@@ -266,7 +266,7 @@ def test_a_sub_assembly_whose_parts_are_all_hidden_goes_as_well(kit):
     assembly = without_hidden(read(kit), log)
     assert set(assembly.occurrences) == {base.path}
     assert not assembly.mates
-    assert "Cover <1>/Lid <1>" in log.found[0].message
+    assert "Cover <1>/Lid <1>" in log.notes[0].message
 
 
 def test_an_assembly_that_is_all_hidden_has_no_parts(kit):

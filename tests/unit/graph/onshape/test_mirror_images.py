@@ -55,7 +55,7 @@ def test_an_image_part_moves_as_its_seeds_mirror_image(kit, kind):
     truth = expected(kit, copy.path, {joint.name: q if len(q) > 1 else q[0]})
     assert np.abs(image - truth).max() < 1e-12
     assert codes(log) == ["I-MIRROR", "I-PATTERN"]
-    assert "Arm mirrored 1 <1>" in log.found[0].message
+    assert "Arm mirrored 1 <1>" in log.notes[0].message
 
 
 @pytest.mark.parametrize("density", [1000, None])
@@ -65,7 +65,7 @@ def test_the_plane_is_found_with_and_without_material(kit, plane, density):
     kit.root.mirror("Image", [arm], plane, STUDIO_PLANE)
     assembly, log = drawn(kit)
     assert len(copies(assembly)) == 1
-    written = yaml.safe_load(re.search("plane ({.*}):", log.found[0].message)[1])
+    written = yaml.safe_load(re.search("plane ({.*}):", log.notes[0].message)[1])
     assert np.abs(np.cross(written["normal"], plane[:3, 2])).max() < 1e-5
     assert plane[:3, 2] @ (written["xyz"] - plane[:3, 3]) == pytest.approx(0, abs=1e-6)
 
@@ -134,7 +134,7 @@ def test_planes_without_a_mirror_and_other_patterns_are_reported(kit):
 
     assembly, log = drawn(kit, edit=circular)
     assert (copies(assembly), codes(log)) == ([], ["W-PATTERN"])
-    assert "mirrors" not in log.found[0].hint
+    assert "mirrors" not in log.notes[0].hint
 
 
 def test_a_mirror_in_a_sub_assembly_has_its_plane_there(kit):

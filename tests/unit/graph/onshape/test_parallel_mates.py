@@ -71,7 +71,7 @@ class Pair:
         log = Diagnostics()
         made = combine_mates(self.mates, self.assembly, BODY_OF, log)
         assert not log.problems
-        return made, sorted(note.code for note in log.found)
+        return made, sorted(note.code for note in log.notes)
 
     def only(self):
         made, _ = self.combined()

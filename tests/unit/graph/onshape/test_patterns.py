@@ -81,7 +81,7 @@ def test_copies_are_numbered_as_instances_and_keep_limits(kit):
     assert [names[copy.last.id] for copy in made] == [f"Joint <{n}>" for n in (2, 3, 4)]
     assert len({mate.key for mate in assembly.mates}) == 4
     assert all(mate.limits == assembly.mates[0].limits for mate in assembly.mates)
-    assert log.found[0].message.startswith("3 joints copied for 3 instances")
+    assert log.notes[0].message.startswith("3 joints copied for 3 instances")
     bodies = bodies_of(assembly, log)
     assert (len(bodies.members), len(bodies.moving)) == (5, 4)
 
@@ -101,7 +101,7 @@ def test_a_mate_between_two_seeds_joins_their_copies(kit):
     joined = {frozenset(entity.path for entity in mate.entities) for mate in sliders}
     assert joined == {frozenset({a.path, h.path}) for a, h in zip(arms, hands, strict=True)}
     assert len(copies(assembly)) == 4
-    assert [note.message[:32] for note in log.found] == ["4 joints copied for 4 instances,"]
+    assert [note.message[:32] for note in log.notes] == ["4 joints copied for 4 instances,"]
     for mate in copies(assembly):
         off = displacement(assembly, mate, {"REVOLUTE": 0.4, "SLIDER": 0.02}[mate.ref.type])
         assert np.abs(off - np.eye(4)).max() < 1e-12, "met at the saved pose, at the seed's value"
@@ -164,7 +164,7 @@ def test_mirror_weld_fastens_copies_and_makes_them_rigid_inside(kit):
     assert members == {frozenset(place.path for place in group) for group in groups}
     assert sorted(mate.ref.name for mate in bodies.moving) == ["Spin", "Steer"]
     assert codes(log) == ["I-PATTERN", "I-RIGID"]
-    assert "mirror: joints" in log.found[1].hint
+    assert "mirror: joints" in log.notes[1].hint
     bodies = bodies_of(assembly, log, depth=DepthSection(flexible=("Corner <2>",)))
     assert sorted(mate.title for mate in bodies.moving) == ["Corner <1>/Spin", "Corner <2>/Spin", "Steer"]
 
@@ -213,7 +213,7 @@ def test_suppressed_copies_are_absent_and_seeds_reported(kit):
     assert codes(log) == ["I-PATTERN"]
     assembly, log = drawn(kit, edit=_without(arm.last.id))
     assert (copies(assembly), codes(log)) == ([], ["W-PATTERN"])
-    assert "Arm <2>, Arm <3>" in log.found[0].message
+    assert "Arm <2>, Arm <3>" in log.notes[0].message
 
 
 def test_a_mate_of_two_seeds_waits_for_both_copies(kit):

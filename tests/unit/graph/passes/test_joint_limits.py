@@ -121,13 +121,13 @@ def test_missing_limits_are_reported_with_a_block_that_sets_them(arm):
     unknown = replace(arm.joints[0].dofs[0], limits=lost)
     arm = replace(arm, joints=(replace(arm.joints[0], dofs=(unknown,)), *arm.joints[1:]))
     _, log = checked(arm)
-    assert [(note.code, note.where, note.message) for note in log.found] == [
+    assert [(note.code, note.where, note.message) for note in log.notes] == [
         ("W-LIMIT", "left_hip", "its limits in CAD are unknown: the list of features is not there"),
         ("W-LIMIT", "lift_turn", "the joint has no limits: it turns freely"),
         ("W-LIMIT", "lift_slide", "the joint has no limits"),
     ]
-    assert log.found[0].hint.endswith("joints: {left_hip: {limits: [low, high]}}  # rad")
-    said = yaml.safe_load(log.found[-1].hint.split("\n", 2)[2])["joints"]
+    assert log.notes[0].hint.endswith("joints: {left_hip: {limits: [low, high]}}  # rad")
+    said = yaml.safe_load(log.notes[-1].hint.split("\n", 2)[2])["joints"]
     assert list(said) == ["left_hip", "lift_turn", "lift_slide"]
     robot, log = keyed(arm, **said)
     robot, more = checked(robot, GraphSections(joints=said).joints)
@@ -143,7 +143,7 @@ def test_a_follower_is_bounded_by_its_driver(arm):
 
 def test_a_joint_that_cad_does_not_have_is_not_corrected_there():
     robot = robot_with([replace(joint("revolute", "base", "arm", name="elbow"), mate=None)])
-    assert checked(robot)[1].found[0].hint == "joints: {elbow: {limits: [low, high]}}  # rad"
+    assert checked(robot)[1].notes[0].hint == "joints: {elbow: {limits: [low, high]}}  # rad"
 
 
 def test_an_added_joint_that_is_to_be_open_is_not_reported():
@@ -163,7 +163,7 @@ def limited(kind, value, low, high, name="elbow"):
 def test_equal_limits_lock_with_a_little_play(kind, unit):
     robot, log = checked(limited(kind, 0.5, 0.5, 0.5))
     assert reports(log) == [("W-LIMIT-LOCKED", "elbow")]
-    assert f" {unit} either way" in log.found[0].message
+    assert f" {unit} either way" in log.notes[0].message
     assert robot.dofs[0].limits == Limits(0.5 - LOCKED_PLAY, 0.5 + LOCKED_PLAY)
 
 
@@ -235,7 +235,7 @@ RANGES = [
 def test_a_range_that_no_joint_has_is_open(kind, limits, expected):
     dof, log = dof_of(kind, limits, Dynamics())
     assert dof.limits == (limits if expected is None else expected)
-    assert [problem.code for problem in log.found] == ([] if expected is None else ["W-URDF-PLACEHOLDER"])
+    assert [problem.code for problem in log.notes] == ([] if expected is None else ["W-URDF-PLACEHOLDER"])
 
 
 BOUNDS = [

@@ -83,8 +83,8 @@ def test_planar_linkages_of_parallel_pins(points, size, mobility):
 def test_a_triangle_of_pins_is_rigid_and_says_so():
     mobility, log = counts(polygon((0, 0), (0.1, 0.3), (0.6, 0)))
     assert mobility == (2, -3, 0, {"loop_0": 3})
-    assert [(note.code, note.where) for note in log.found] == [("W-RIGID-LOOP", "loop_0")]
-    assert log.found[0].message.endswith("bar_0_joint, bar_1_joint")
+    assert [(note.code, note.where) for note in log.notes] == [("W-RIGID-LOOP", "loop_0")]
+    assert log.notes[0].message.endswith("bar_0_joint, bar_1_joint")
 
 
 def slider_crank(x, y, d, relations=()):

@@ -55,7 +55,7 @@ def arm():
 def test_limits_saved_values_and_relations_are_counted_anew(arm):
     robot, log = counted(arm, elbow={"zero": 0.3, "invert": True}, rail={"invert": True})
     elbow, rail, wrist = robot.dofs
-    assert not log.found
+    assert not log.notes
     assert elbow.limits.interval == pytest.approx((-0.7, 0.8))
     assert elbow.saved == pytest.approx(0.1)
     assert (rail.limits, rail.saved) == (Limits(None, 0.0), -0.1)

@@ -300,4 +300,4 @@ def test_limits_that_exclude_what_the_driver_gives_are_reported():
     robot = robot_with([joint("revolute", "base", f"link_{n}", [0.0], name=n, limits=limits) for n in ranges])
     _, log = related(robot, *(spec("GEAR", "r1", name, title=name) for name in ("r2", "r3", "r4")))
     assert reports(log) == [("W-RELATION-LIMIT", "r2"), ("W-RELATION-LIMIT", "r4")]
-    assert "[-1, -0.5]" in log.found[0].message
+    assert "[-1, -0.5]" in log.notes[0].message

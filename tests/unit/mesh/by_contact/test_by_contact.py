@@ -120,7 +120,7 @@ def test_order_of_joints_changes_nothing(usual):
     other = made(robot(order=-1))
 
     def pieces(geometry, link):
-        return [geometry.files[shape.file] for shape in geometry.of(link, "collision") if shape.file]
+        return [geometry.files[shape.file] for shape in geometry.shapes_of(link, "collision") if shape.file]
 
     assert all(pieces(usual, link) == pieces(other, link) for link in MESHES)
 

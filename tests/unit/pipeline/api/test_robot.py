@@ -9,7 +9,7 @@ import pytest
 from linkwright.pipeline.api.robot import Robot
 from linkwright.pipeline.errors import LinkwrightError
 from linkwright.stages.robot.codec import decode_robot, encode_robot
-from linkwright.stages.robot.dynamics.inertia import SPECK
+from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.robot import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
 from linkwright.stages.robot.motion.start_pose import starting_point
 from tests.fake_onshape.sample import sample_document
@@ -83,7 +83,10 @@ def test_a_body_that_moves_freely_has_six_speeds(sample):
         mujoco.mj_mulM(engine, data, column, unit)
 
     inertia = frozen([[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]])
-    links = (Link("world", SPECK, (), ()), Link("b", Inertial(2.0, frozen([0.1, 0.2, 0.3]), inertia), (), ()))
+    links = (
+        Link("world", TINY_INERTIAL, (), ()),
+        Link("b", Inertial(2.0, frozen([0.1, 0.2, 0.3]), inertia), (), ()),
+    )
     rest = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     dof = Dof("b", "free", frozen([0, 0, 0]), frozen(np.eye(4)), Limits(), Dynamics(), rest)
     joint = Joint("b", "free", "world", "b", frozen(np.eye(4)), (dof,), False, None)

@@ -74,11 +74,11 @@ def test_jobs_side_by_side_share_the_processors(settings, jobs, processors, expe
 
 def test_a_process_uses_no_more_processors_than_its_share():
     everything = process_usage.processors()
-    with process_usage.at_most(1):
+    with process_usage.limited_processors(1):
         assert process_usage.processors() == 1
-        with process_usage.at_most(None):
+        with process_usage.limited_processors(None):
             assert process_usage.processors() == everything
-    with process_usage.at_most(everything + 5):
+    with process_usage.limited_processors(everything + 5):
         assert process_usage.processors() == everything
 
 
