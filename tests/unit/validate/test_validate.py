@@ -1,6 +1,5 @@
 """The validate stage finds what is wrong: every fault planted in a good build fails a check."""
 
-import math
 import re
 import shutil
 
@@ -17,6 +16,7 @@ from linkwright.stages.robot.motion.kinematics import chain, link_poses, saved_c
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.checks import MODEL_CHECKS
 from linkwright.stages.validate.dynamics import mujoco_features
+from linkwright.stages.validate.model.coordinates import distance
 from linkwright.stages.validate.same import motion
 from tests.fake_onshape.document import Occurrence
 from tests.fake_onshape.frames import turn
@@ -102,8 +102,8 @@ def failed_of(robot, folder):
 
 
 def test_a_part_without_a_pose_is_not_hidden_by_the_next(copy, monkeypatch):
-    errors = iter([math.nan])
-    monkeypatch.setattr(motion, "distance", lambda *poses: next(errors, 0.0))
+    missing = iter([np.full((4, 4), np.nan)])
+    monkeypatch.setattr(motion, "distance", lambda actual, goal: distance(next(missing, actual), goal))
     assert [name for name in failed_of(*copy) if name.endswith("poses")] == ["robot.xml: poses"]
 
 
