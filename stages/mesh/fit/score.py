@@ -107,9 +107,8 @@ def _disc_rings(radius: float, half_length: float, along: int) -> Iterator[tuple
     """Yields the rings of both discs of a cylinder (see `_rings`)."""
     step = radius / (along - 1)
     for k in range(along):
-        # The centre has no circumference, so it counts as a ring of a quarter of a step; the rim is half a
-        # step.
-        area = step * max(step * k, step / 4) / (1 + (k == along - 1))
+        # The centre is a disc of half a step; the rim is half a step wide.
+        area = step * max(step * k, step / 8) / (1 + (k == along - 1))
         for sign in (-1, 1):
             yield step * k, sign * half_length, area
 
