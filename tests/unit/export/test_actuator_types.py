@@ -206,6 +206,9 @@ def test_controls_of_each_keyframe_hold_it(entry):
         data = state(model, key)
         assert data.qfrc_bias[0] == pytest.approx(HEAVY * math.cos(angle), rel=1e-12)
         assert data.qfrc_actuator[0] == pytest.approx(data.qfrc_bias[0], rel=1e-9)
+        if entry["type"] in ("position", "intvelocity"):
+            mujoco.mj_step(model, data, 2000)
+            assert data.qpos[0] == pytest.approx(angle, abs=1e-9)
 
 
 def test_intvelocity_without_limits_has_a_wide_range():
