@@ -7,7 +7,6 @@ from typing import Any
 import mujoco
 
 from linkwright.stages.mujoco.state import at_keyframe
-from linkwright.stages.validate.findings import largest_error
 from linkwright.stages.validate.model.coordinates import DOFS_OF_TYPE, FREE, SLIDE
 from linkwright.stages.validate.simulate.running import PASSIVE, flags, seeded_numbers, with_options
 
@@ -38,56 +37,62 @@ class Drift:
     the previous."""
 
     by_step: tuple[tuple[float, float], ...]
+    """Pairs of a step [s] and its drift, which is infinite if the energy is not finite."""
 
     @property
-    def conserved(self) -> bool:
-        (_, last), before = self.by_step[-1], self.by_step[-2:-1]
-        return last < MAX_DRIFT or any(last * MIN_FALL <= drift for _, drift in before)
+    def is_conserved(self) -> bool:
+        """Tells whether the last drift counts as zero, or is the integrator's error."""
+        (_, last), previous = self.by_step[-1], self.by_step[-2:-1]
+        falls = math.isfinite(last) and any(last * MIN_FALL <= drift for _, drift in previous)
+        return last < MAX_DRIFT or falls
 
 
 def drift_of_energy(model: Any) -> Drift:
     """Measures the drift of the passive model from seeded speeds at `home`, by the Runge-Kutta method.
 
-    The model has no contacts, limits, friction, damping, springs, closed loops and actuators. The time step
-    is halved until the energy is conserved, at most `MAX_HALVINGS` times.
+    Contacts, limits, friction, damping, springs, closed loops and actuators are off. The time step is halved
+    until the energy is conserved, at most `MAX_HALVINGS` times.
     """
     drifts: list[tuple[float, float]] = []
     step = float(model.opt.timestep)
     for _ in range(MAX_HALVINGS + 1):
         drifts.append((step, _drift(model, step)))
-        if Drift(tuple(drifts)).conserved:
+        if Drift(tuple(drifts)).is_conserved:
             break
         step /= 2
     return Drift(tuple(drifts))
 
 
 def _drift(model: Any, step: float) -> float:
+    """Returns the drift [1/s] of a run of `SECONDS` with a time step [s]; infinite if the energy is not
+    finite, 0 if nothing moves."""
     disabled_features = flags("CONSTRAINT", "ACTUATION", "SENSOR", *PASSIVE)
-    changed = {
+    options = {
         "timestep": step,
         "integrator": mujoco.mjtIntegrator.mjINT_RK4,
         "disableflags": disabled_features | int(model.opt.disableflags) & flags("GRAVITY"),
         "enableflags": int(mujoco.mjtEnableBit.mjENBL_ENERGY),
     }
-    with with_options(model, **changed):
+    with with_options(model, **options):
         data = at_keyframe(model)
         data.qvel[:] = speeds(model)
         mujoco.mj_forward(model, data)
-        start, largest, off_by = float(data.energy.sum()), float(data.energy[1]), 0.0
+        start_energy, max_kinetic_energy = float(data.energy.sum()), float(data.energy[1])
+        max_error = 0.0
         steps = max(1, round(SECONDS / step / SAMPLES))
         for _ in range(SAMPLES):
             mujoco.mj_step(model, data, steps)
             mujoco.mj_forward(model, data)
-            largest = max(largest, float(data.energy[1]))
-            # Here NaN must count as infinite, since the largest value is kept.
-            off_by = largest_error((off_by, abs(float(data.energy.sum()) - start)))
-            if off_by == math.inf:
+            error = abs(float(data.energy.sum()) - start_energy)
+            if not math.isfinite(error):
                 return math.inf
-    return off_by / largest / (SAMPLES * steps * step) if largest else 0.0
+            max_error = max(max_error, error)
+            max_kinetic_energy = max(max_kinetic_energy, float(data.energy[1]))
+    return max_error / max_kinetic_energy / (SAMPLES * steps * step) if max_kinetic_energy else 0.0
 
 
 def speeds(model: Any) -> Any:
-    """Returns speeds (nv,) of every degree of freedom, seeded by the names of the joints."""
+    """Returns the speed (nv,) of every degree of freedom [rad/s or m/s], seeded by the joints' names."""
     size = float(model.stat.extent)
     qvel = mujoco.MjData(model).qvel
     for joint in range(model.njnt):

@@ -13,7 +13,7 @@ from linkwright.stages.robot.model.scene import Ground, Scene
 from linkwright.stages.validate import measured
 from linkwright.stages.validate.checks.contact import start
 from linkwright.stages.validate.checks.simulation import control_noise, energy, rest, time_step
-from linkwright.stages.validate.simulate.energy import SECONDS, drift_of_energy
+from linkwright.stages.validate.simulate.energy import SECONDS, Drift, drift_of_energy
 from linkwright.stages.validate.simulate.noise import control_ranges
 from tests.support.compiled import only, world_of
 from tests.support.robots import joint, robot_with
@@ -70,6 +70,14 @@ def test_inertia_of_nothing_is_an_error():
     verdict = only(energy.check(world_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
     assert verdict.fails
     assert verdict.findings[0].attribute == "timestep"
+
+
+def test_energy_that_is_not_finite_is_an_error():
+    """The finer steps must not make it the integrator's own error: no infinity is an eighth of another."""
+    compiled = world_of(pendulum())
+    compiled.model.opt.gravity[:] = math.nan
+    assert not drift_of_energy(compiled.model).is_conserved
+    assert not Drift(((0.002, math.inf), (0.001, math.inf))).is_conserved
 
 
 def test_force_that_takes_energy_is_an_error(monkeypatch):

@@ -17,11 +17,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     drift = drift_of_energy(model)
     step, value = drift.by_step[-1]
     detail = f"drift per second relative to the largest kinetic energy, with steps of {step:g} s"
-    if value >= MAX_DRIFT and drift.conserved:
+    if value >= MAX_DRIFT and drift.is_conserved:
         detail += f"; with twice the step {drift.by_step[-2][1]:.2g}: the integrator's own"
     message = f"the passive robot gains or loses {value:.2g} of its kinetic energy in a second"
     findings = [
         Finding("option", "timestep", f"{message}, with steps of {step:g} s: see the lightest bodies")
     ]
-    limit = None if drift.conserved and value >= MAX_DRIFT else MAX_DRIFT
-    yield compiled.result("energy", drift.conserved, detail, value, limit, findings)
+    limit = None if drift.is_conserved and value >= MAX_DRIFT else MAX_DRIFT
+    yield compiled.result("energy", drift.is_conserved, detail, value, limit, findings)
