@@ -32,13 +32,20 @@ def strength(model: Any, joint: int) -> float | None:
     """Returns the largest force [N m or N] that the actuators of a joint can hold in both directions, within
     the joint's limit; None without any limit."""
     force = np.inf
-    actuators = [at for at in range(actuator_count(model)) if int(model.actuator_trnid[at][0]) == joint]
-    actuators = [at for at in actuators if model.actuator_trntype[at] == mujoco.mjtTrn.mjTRN_JOINT]
-    if actuators and all(model.actuator_forcelimited[at] for at in actuators):
-        sides = [
-            np.abs(model.actuator_forcerange[at]).min() * abs(model.actuator_gear[at][0]) for at in actuators
+    actuators = [
+        actuator
+        for actuator in range(actuator_count(model))
+        if int(model.actuator_trnid[actuator][0]) == joint
+        and model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
+    ]
+    if actuators and all(model.actuator_forcelimited[actuator] for actuator in actuators):
+        # A negative gear swaps the ends. The ends are added, since two actuators may pull against each other.
+        ends = [
+            np.sort(model.actuator_forcerange[actuator] * model.actuator_gear[actuator][0])
+            for actuator in actuators
         ]
-        force = float(sum(sides))
+        low, high = np.sum(ends, axis=0)
+        force = max(0.0, min(-float(low), float(high)))
     if model.jnt_actfrclimited[joint]:
         force = min(force, float(np.abs(model.jnt_actfrcrange[joint]).min()))
     return None if np.isinf(force) else float(force)

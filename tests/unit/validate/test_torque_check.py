@@ -15,7 +15,7 @@ from linkwright.stages.validate import validate
 from linkwright.stages.validate.check_options import CheckOptions
 from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.simulate.holding import holding_forces
+from linkwright.stages.validate.simulate.holding import holding_forces, strength
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, robot_with, solid
@@ -68,6 +68,26 @@ def test_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path):
         lower = upper - sum(m * GRAVITY * math.cos(low) * levers[name][0] for name, m in masses)
         assert forces["up_joint"][row] == pytest.approx(upper, abs=1e-12)
         assert forces["low_joint"][row] == pytest.approx(lower, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("motors", "expected"),
+    [
+        ([("0 10", 1)], 0.0),
+        ([("-5 10", 2)], 10.0),
+        ([("0 10", 1), ("-10 0", 1)], 10.0),
+        ([("-8 0", 1), ("-6 0", -1)], 6.0),
+        ([("1 3", 1)], 0.0),
+    ],
+)
+def test_strength_of_a_joint_is_what_its_actuators_have_together(motors, expected):
+    rows = "".join(
+        f'<motor joint="turn" gear="{gear}" forcerange="{forces}" forcelimited="true"/>'
+        for forces, gear in motors
+    )
+    body = '<body><joint name="turn"/><geom size=".1"/></body>'
+    text = f"<mujoco><worldbody>{body}</worldbody><actuator>{rows}</actuator></mujoco>"
+    assert strength(mujoco.MjModel.from_xml_string(text), 0) == expected
 
 
 def test_driver_carries_what_its_follower_has(tmp_path):
