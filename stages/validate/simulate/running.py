@@ -49,17 +49,20 @@ class Touching:
     """The other body; the world, 0, is always this."""
 
     depth: float
-    """The depth [m] of the contact."""
+    """The depth [m] of the contact; 0 if the bodies only come within the margin of contact."""
 
     geom: int = -1
     """The world's geom that is touched; -1 for another body."""
 
 
 def touching(model: Any, data: Any) -> list[Touching]:
-    """Returns the contacts, the deepest first. Each pair of bodies, and each body with each geom of the
-    world, is listed once with its deepest contact."""
+    """Returns the contacts between geoms, the deepest first. Each pair of bodies, and each body with each
+    geom of the world, is listed once with its deepest contact."""
     depths: dict[tuple[int, int, int], float] = {}
     for contact in data.contact[: data.ncon]:
+        # A flex, which belongs to no single body, has the geom -1.
+        if min(contact.geom) < 0:
+            continue
         geoms = sorted(contact.geom, key=lambda geom: model.geom_bodyid[geom], reverse=True)
         body, other = (int(model.geom_bodyid[geom]) for geom in geoms)
         key = body, other, int(geoms[1]) if other == 0 else -1

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,6 +16,7 @@ from linkwright.stages.validate.checks.contact import start
 from linkwright.stages.validate.checks.simulation import control_noise, energy, rest, time_step
 from linkwright.stages.validate.simulate.energy import SECONDS, Drift, drift_of_energy
 from linkwright.stages.validate.simulate.noise import control_ranges
+from linkwright.stages.validate.simulate.running import touching
 from tests.support.compiled import only, world_of
 from tests.support.robots import joint, robot_with
 
@@ -121,6 +123,18 @@ def test_start_deeper_than_half_a_millimetre_is_an_error(low, high, depths):
         (finding,) = result.findings
         assert finding.element == f'body "{body}"'
         assert f"{depth:g} mm inside {other}" in finding.message
+
+
+def test_contact_of_a_flex_is_that_of_no_body():
+    cloth = (
+        '<flexcomp name="cloth" type="grid" count="3 3 1" spacing=".1 .1 .1" radius=".01" mass="1" dim="2">'
+        '<edge equality="true"/></flexcomp>'
+    )
+    model = world_of(BALLS.format(low=3, high=5) + cloth).model
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.ncon
+    assert touching(model, data) == []
 
 
 HOME = '<keyframe><key name="home" qpos="0 0 {} 1 0 0 0 0"/></keyframe>'

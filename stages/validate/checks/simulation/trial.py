@@ -94,9 +94,10 @@ def _deepest(model: Any) -> str:
     """Returns a text with the two bodies whose contact at `home` is the deepest, and the remedy."""
     data = at_keyframe(model)
     mujoco.mj_forward(model, data)
-    if not data.ncon:
+    contacts = touching(model, data)
+    if not contacts:
         return "see contact.exclude and mesh.colliders"
-    deepest = touching(model, data)[0]
+    deepest = contacts[0]
     see = "contact.exclude and mesh.colliders" if deepest.other else "scene.pose"
     names = " and ".join(model.body(body).name for body in (deepest.other, deepest.body))
     return f"{names} overlap by {1000 * deepest.depth:.2g} mm at home, see {see}"
