@@ -29,8 +29,17 @@ def _ends(attribute: str, ending: str) -> Callable[[Element], bool]:
     return lambda element: str(element.get(attribute, "")).lower().endswith(ending)
 
 
-def _positive(attribute: str) -> Callable[[Element], bool]:
-    return lambda element: element.get(attribute, "0").strip() not in ("", "0", "0.0")
+def _is_set(attribute: str) -> Callable[[Element], bool]:
+    """Returns a test of whether an attribute has a number other than 0."""
+    return lambda element: _is_nonzero(str(element.get(attribute, "")))
+
+
+def _is_nonzero(text: str) -> bool:
+    """Tells whether a text has a number other than 0. A text that is not numbers counts as one."""
+    try:
+        return any(float(word) != 0.0 for word in text.split())
+    except ValueError:
+        return True
 
 
 def _words(words: Words, version: str, *, came: bool) -> FindThings:
@@ -58,18 +67,27 @@ def _text(path: str, test: Callable[[str], bool]) -> FindThings:
 
 
 def _closing(document: "ModelDocument") -> Iterator[Finding]:
-    """Yields the joints of an SDF that close a loop, since earlier joints connect their links already."""
-    tied: dict[str, set[str]] = {}
-    for joint in document.root.iter("joint"):
-        parent, child = ((joint.findtext(end) or "").strip() for end in ("parent", "child"))
-        links = tied.get(parent, {parent}) | tied.get(child, {child})
-        if child in tied.get(parent, {parent}):
-            yield Finding(title_of(joint), "", "")
-        tied |= dict.fromkeys(links, links)
+    """Yields the joints of an SDF that close a loop, since earlier joints connect their links already. The
+    names of links are those of their own model."""
+    for model in document.root.iter("world", "model"):
+        connected: dict[str, set[str]] = {}
+        # Only the model's own children: a plugin may have elements of this name that are no joints.
+        for joint in model.iterfind("joint"):
+            parent, child = ((joint.findtext(end) or "").strip() for end in ("parent", "child"))
+            if not (parent and child):
+                continue
+            links_of_parent = connected.get(parent, {parent})
+            if child in links_of_parent:
+                yield Finding(title_of(joint), "", "")
+            links = links_of_parent | connected.get(child, {child})
+            connected |= dict.fromkeys(links, links)
 
 
-def _unusual_gravity(option: Element) -> bool:
-    return [float(number) for number in str(option.get("gravity")).split()] != [0.0, 0.0, -9.81]
+def _has_unusual_gravity(option: Element) -> bool:
+    try:
+        return [float(word) for word in str(option.get("gravity")).split()] != [0.0, 0.0, -9.81]
+    except ValueError:
+        return True
 
 
 _MASSLESS = _at("link", lambda link: link.find("inertial") is None and link.get("name") != "world")
@@ -77,32 +95,32 @@ _MASSLESS = _at("link", lambda link: link.find("inertial") is None and link.get(
 
 TEXT: Mapping[tuple[str, Thing], FindThings] = {
     ("urdf", "colliders in STL"): _at(".//collision/geometry/mesh", _ends("filename", ".stl"), "filename"),
-    ("urdf", "damping"): _at("joint/dynamics", _positive("damping"), "damping"),
-    ("urdf", "effort"): _at("joint/limit", _positive("effort"), "effort"),
+    ("urdf", "damping"): _at("joint/dynamics", _is_set("damping"), "damping"),
+    ("urdf", "effort"): _at("joint/limit", _is_set("effort"), "effort"),
     ("urdf", "frames"): _MASSLESS,
-    ("urdf", "friction"): _at("joint/dynamics", _positive("friction"), "friction"),
+    ("urdf", "friction"): _at("joint/dynamics", _is_set("friction"), "friction"),
     ("urdf", "inertia"): _at("link", lambda link: link.find("inertial") is not None),
     ("urdf", "relations"): _at("joint/mimic"),
     ("urdf", "visuals in GLB"): _at(".//visual/geometry/mesh", _ends("filename", ".glb"), "filename"),
-    ("urdf", "velocity"): _at("joint/limit", _positive("velocity"), "velocity"),
+    ("urdf", "velocity"): _at("joint/limit", _is_set("velocity"), "velocity"),
     ("sdf", "balls"): _at(".//joint", lambda joint: joint.get("type") == "ball"),
     ("sdf", "colliders in STL"): _text(".//collision//uri", lambda uri: uri.lower().endswith(".stl")),
     ("sdf", "fixed base"): _text(".//joint/parent", lambda parent: parent == "world"),
-    ("sdf", "friction"): _text(".//axis/dynamics/friction", lambda value: value not in ("", "0")),
+    ("sdf", "friction"): _text(".//axis/dynamics/friction", _is_nonzero),
     ("sdf", "loops"): _closing,
     ("sdf", "relations"): _at(".//axis/mimic"),
     ("mjcf", "adhesion"): _at("actuator/adhesion"),
     ("mjcf", "cameras"): _at(".//camera"),
     ("mjcf", "cones"): _at(".//joint[@range]", lambda joint: joint.get("type") == "ball", "range"),
-    ("mjcf", "delays of actuators"): _at("actuator/*", _positive("delay"), "delay"),
+    ("mjcf", "delays of actuators"): _at("actuator/*", _is_set("delay"), "delay"),
     ("mjcf", "effort"): _at(".//joint[@actuatorfrcrange]", attribute="actuatorfrcrange"),
     ("mjcf", "everything"): _at("worldbody//joint"),
-    ("mjcf", "friction"): _at(".//joint", _positive("frictionloss"), "frictionloss"),
-    ("mjcf", "gravity"): _at("option[@gravity]", _unusual_gravity, "gravity"),
+    ("mjcf", "friction"): _at(".//joint", _is_set("frictionloss"), "frictionloss"),
+    ("mjcf", "gravity"): _at("option[@gravity]", _has_unusual_gravity, "gravity"),
     ("mjcf", "keyframes"): _at("keyframe/key"),
     ("mjcf", "loops"): _at("equality/*", lambda element: tag(element) in ("connect", "weld")),
     ("mjcf", "meshes in STL"): _at("asset/mesh", _ends("file", ".stl"), "file"),
-    ("mjcf", "noslip iterations"): _at("option", _positive("noslip_iterations"), "noslip_iterations"),
+    ("mjcf", "noslip iterations"): _at("option", _is_set("noslip_iterations"), "noslip_iterations"),
     ("mjcf", "orientation servos"): _at("actuator/orientation"),
     ("mjcf", "pid servos"): _at("actuator/pid"),
     ("mjcf", "pneumatic cylinders"): _at("actuator/cylinder"),
@@ -112,8 +130,8 @@ TEXT: Mapping[tuple[str, Thing], FindThings] = {
     ("mjcf", "relations"): _at("equality/joint"),
     ("mjcf", "sensors"): _at("sensor/*"),
     ("mjcf", "spring-dampers"): _at(".//joint[@springdamper]", attribute="springdamper"),
-    ("mjcf", "starts of joints"): _at(".//joint", _positive("ref"), "ref"),
-    ("mjcf", "time constants of servos"): _at("actuator/position", _positive("timeconst"), "timeconst"),
+    ("mjcf", "starts of joints"): _at(".//joint", _is_set("ref"), "ref"),
+    ("mjcf", "time constants of servos"): _at("actuator/position", _is_set("timeconst"), "timeconst"),
     ("mjcf", "words that MuJoCo 4.0 no longer has"): _words(REMOVED_WORDS["4.0"], "4.0", came=False),
     ("mjcf", "words of MuJoCo 3.16"): _words(ADDED_WORDS["3.16"], "3.16", came=True),
     ("mjcf", "words of MuJoCo 3.17"): _words(ADDED_WORDS["3.17"], "3.17", came=True),

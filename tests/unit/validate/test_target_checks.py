@@ -305,6 +305,28 @@ def test_sdf_is_judged_by_its_text(tmp_path):
         assert (loops, named(check)) == (['joint "shut"'], ["loops", "relations"])
 
 
+def test_joint_of_a_plugin_or_of_another_model_closes_no_loop(tmp_path):
+    sdf = tmp_path / "arm.sdf"
+    plugin = '<plugin name="p" filename="p"><joint>j</joint><joint>k</joint></plugin>'
+    one = SDF.partition("<model")[1] + SDF.partition("<model")[2].partition("</model>")[0]
+    models = f"{one}{plugin}</model>{one}</model>".replace('type="ball"', 'type="fixed"')
+    sdf.write_text(f'<sdf version="1.9"><world name="w">{models}</world></sdf>')
+    check = check_of("drake", sdf)
+    loops = [finding.element for finding in check.findings if "loops" in finding.message]
+    assert loops == ['joint "shut"'] * 2
+
+
+@pytest.mark.parametrize(("damping", "expected"), [("0.00", []), ("0e0", []), ("-0", []), ("0.1", ["damping"])])
+def test_number_that_is_zero_is_nothing_to_leave_out(damping, expected, tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(
+        '<robot name="arm"><link name="a"/><link name="b"/><joint name="j" type="continuous">'
+        f'<parent link="a"/><child link="b"/><dynamics damping="{damping}"/></joint></robot>'
+    )
+    left_out = [name for check in judge_file("isaac", urdf) for name in named(check)]
+    assert [name for name in left_out if name == "damping"] == expected
+
+
 def test_pybullet_gives_a_kilogram_to_links_without_inertials(tmp_path):
     inertial = '<inertial><mass value="1"/></inertial>'
     urdf = tmp_path / "arm.urdf"
