@@ -58,6 +58,8 @@ def rooted(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
 def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) -> Iterator[Finding]:
     """Checks that the root is where the scene has the robot at `home`, and that it is held there. `place`:
     this pose (4, 4), None if it is not known."""
+    if robot.base.fixed and names.base_joint in usd.joints:
+        yield from _base_joint_differences(usd, robot, names)
     if place is None:
         return
     body = names.links[robot.root.name]
@@ -67,13 +69,25 @@ def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) ->
     )
     if robot.base.fixed and names.base_joint in usd.joints:
         joint = usd.joints[names.base_joint]
-        if joint.place != usd.path:
-            yield differs(named("def", names.base_joint), "physics:body0", joint.place or "none", usd.path)
         world_from_root = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
         attributes = ("physics:localPos0", "physics:localRot0")
         yield from pose_findings(
             named("def", names.base_joint), world_from_root, place, attributes, FRAME_TOLERANCE
         )
+
+
+def _base_joint_differences(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
+    """Yields the differences of the joint that must fix the root link to the robot's own prim."""
+    joint, element = usd.joints[names.base_joint], named("def", names.base_joint)
+    if joint.type != "Fixed":
+        yield differs(element, "type", f"Physics{joint.type}Joint", "PhysicsFixedJoint")
+    if joint.place != usd.path:
+        yield differs(element, "physics:body0", joint.place or "none", usd.path)
+    root_link = names.links[robot.root.name]
+    if joint.second != root_link:
+        yield differs(element, "physics:body1", joint.second or "none", root_link)
+    if joint.closes:
+        yield differs(element, "physics:excludeFromArticulation", "true", "false")
 
 
 def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | None) -> Iterator[Finding]:

@@ -191,6 +191,24 @@ def with_servo():
     return robot, replace(robot, actuators=(servo,))
 
 
+@pytest.mark.parametrize(
+    ("pattern", "new"),
+    [
+        ('PhysicsFixedJoint "root_joint"', 'PhysicsRevoluteJoint "root_joint"'),
+        (r'("root_joint".*?body1 = </robot/)base>', r"\g<1>hand>"),
+        (r'("root_joint".*?)(\n +point3f)', r"\1\n bool physics:excludeFromArticulation = 1\2"),
+    ],
+)
+def test_joint_of_a_base_that_holds_something_else_is_found(pattern, new, tmp_path):
+    robot = robot_with([joint("revolute", "base", "hand")], fixed=True)
+    written = exported_file("usd", robot, tmp_path)
+    path = tmp_path / "robot.usda"
+    text, count = re.subn(pattern, new, path.read_text(), count=1, flags=re.DOTALL)
+    assert count
+    path.write_text(text)
+    assert [name for name, holds in outcomes("usd", written, tmp_path).items() if not holds] == ["model"]
+
+
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
     """The files of a robot, by `sdf`, `usd` or `servo`, with no fault; each exported when first asked for."""
