@@ -1,7 +1,7 @@
 """Compares a USD's units, placement, shapes and collisions with the robot's."""
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +125,38 @@ def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | No
             else "do not collide, but must, as in the robot"
         )
         yield Finding(named("def", pair[0]), "physics:filteredPairs", f"{' and '.join(pair)} {message}")
+    yield from _collider_pair_differences(usd, names, geometry, joined_pairs)
+
+
+def _collider_pair_differences(
+    usd: UsdRobot, names: UsdNames, geometry: Geometry, joined_pairs: Collection[frozenset[str]]
+) -> Iterator[Finding]:
+    """Yields the pairs of colliders that collide although the robot's do not, and those that do not collide
+    although the robot's do. `joined_pairs`: the bodies that never collide."""
+    colliders = {
+        name: [shape for shape in body.shapes if shape.collides] for name, body in usd.bodies.items()
+    }
+    body_of = {shape.path: name for name, shapes in colliders.items() for shape in shapes}
+    expected = set()
+    for exclude in geometry.excludes:
+        first, second = (colliders[names.links[link]] for link in (exclude.link_a, exclude.link_b))
+        for row, column in exclude.geoms:
+            # The check of the shapes reports a body with another number of colliders.
+            if row < len(first) and column < len(second):
+                expected.add(frozenset((first[row].path, second[column].path)))
+    actual = {
+        frozenset((shape.path, path))
+        for shapes in colliders.values()
+        for shape in shapes
+        for path in shape.filtered
+        if path in body_of
+    }
+    for pair in sorted(map(sorted, expected ^ actual)):
+        if frozenset(body_of[path] for path in pair) in joined_pairs:
+            continue
+        message = "do not collide, but must" if frozenset(pair) in actual else "collide, but must not"
+        element = named("def", body_of[pair[0]])
+        yield Finding(element, "physics:filteredPairs", f"{' and '.join(pair)} {message}")
 
 
 def shapes(usd: UsdRobot, names: UsdNames, geometry: Geometry, folder: Path) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.findings import differs, named
@@ -19,6 +19,13 @@ SINGLE_PRECISION = 1e-5
 def schemas(prim: Any) -> frozenset[str]:
     """Returns the applied schemas, also those that usd-core does not know."""
     return frozenset(map(str, prim.GetPrimTypeInfo().GetAppliedAPISchemas()))
+
+
+def filtered_paths(prim: Any) -> list[Any]:
+    """Returns the paths of the prims with which a body or a collider does not collide."""
+    if not prim.HasAPI(UsdPhysics.FilteredPairsAPI):
+        return []
+    return list(UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets())
 
 
 def flaws(stage: Any, top: Any) -> Iterator[Finding]:

@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.poses import from_parts, rotation_from_quat
 from linkwright.stages.robot.model.robot import Array, Inertial, frozen
 from linkwright.stages.validate.usd.actuators import ReadUsdActuator, read_actuators
 from linkwright.stages.validate.usd.place_reader import ReadUsdPlace, places_of
-from linkwright.stages.validate.usd.prim_reader import flaws, schemas
+from linkwright.stages.validate.usd.prim_reader import filtered_paths, flaws, schemas
 from linkwright.stages.validate.usd.shape_reader import ReadUsdShape, shapes_of
 
 SELF_COLLISION = (
@@ -182,8 +182,6 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
     # USD's matrices act on rows.
     rigid = UsdPhysics.RigidBodyAPI(prim)
     moves = rigid.GetRigidBodyEnabledAttr().Get() and not rigid.GetKinematicEnabledAttr().Get()
-    filters = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel()
-    targets = filters.GetTargets() if prim.HasAPI(UsdPhysics.FilteredPairsAPI) else []
     return ReadUsdBody(
         np.array(world).T,
         Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia)),
@@ -191,7 +189,7 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
         {name: float(np.linalg.norm(prim.GetAttribute(name).Get())) for name in START_ATTRIBUTES},
         tuple(shapes_of(prim)),
         dict(places_of(prim)),
-        frozenset(str(path.name) for path in targets if path in bodies),
+        frozenset(str(path.name) for path in filtered_paths(prim) if path in bodies),
         schemas(prim),
     )
 

@@ -11,10 +11,15 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from linkwright.stages.robot.model.poses import inverse
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.usd.look_reader import ReadUsdLook, look_of
-from linkwright.stages.validate.usd.prim_reader import schemas
+from linkwright.stages.validate.usd.prim_reader import filtered_paths, schemas
 
 KINDS = {"Cube": "box", "Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Mesh": "mesh"}
 """Type of a prim → kind of shape."""
+
+
+_EQUAL_SCALES = {"sphere": 3, "cylinder": 2, "capsule": 3}
+"""Kind of shape → the number of axes, from x, along which its scale must be the same: else it is another
+shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +30,12 @@ class ReadUsdShape:
     kind: str
     collides: bool
     """Whether the shape is a collider: it has UsdPhysics's schema, or is a guide, which is not drawn."""
+
+    path: str
+    """The path of the prim."""
+
+    filtered: frozenset[str]
+    """The paths of the prims with which the shape itself does not collide."""
 
     lacks: tuple[tuple[str, str, str], ...]
     """(attribute, actual, expected) for schemas and attributes that keep the shape from colliding or from
@@ -72,7 +83,9 @@ def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
         prim.GetName(),
         kind,
         collides,
-        (*_unlike(prim, kind), *(_lacks(prim, kind, has, guide) if collides else ())),
+        str(prim.GetPath()),
+        frozenset(map(str, filtered_paths(prim))),
+        (*_unlike(prim, kind, scale), *(_lacks(prim, kind, has, guide) if collides else ())),
         _size(prim, kind, scale),
         place,
         (*map(float, points.min(axis=0)), *map(float, points.max(axis=0))) if len(points) else (),
@@ -82,8 +95,15 @@ def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
     )
 
 
-def _unlike(prim: Any, kind: str) -> Iterator[tuple[str, str, str]]:
-    """Yields attributes that would change the surface of a mesh's triangles."""
+def _unlike(prim: Any, kind: str, scale: Array) -> Iterator[tuple[str, str, str]]:
+    """Yields attributes that would change the surface of a shape, although its size or its points are
+    right."""
+    if kind in _EQUAL_SCALES and not np.allclose(scale[: _EQUAL_SCALES[kind]], scale[0], rtol=1e-6, atol=0.0):
+        yield "xformOp:scale", " ".join(f"{factor:g}" for factor in scale), "the same along all axes"
+    if kind in ("cylinder", "capsule"):
+        axis = str(prim.GetAttribute("axis").Get())
+        if axis != "Z":
+            yield "axis", axis, "Z"
     if kind != "mesh":
         return
     mesh = UsdGeom.Mesh(prim)

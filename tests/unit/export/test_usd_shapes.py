@@ -1,5 +1,6 @@
 """Shapes, frames and cameras of a USD, as an independent reader has them."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from linkwright.stages.mesh.files.stl import write as write_stl
 from linkwright.stages.robot.model.geom_form import ContactProperties
 from linkwright.stages.robot.model.geometry import Exclude, Shape
 from linkwright.stages.robot.model.robot import Frame, Primitive, frozen
-from tests.support.building import solid
+from tests.support.building import plan_of, solid, write
 from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, box
 from tests.support.usd import Usd, complaints, pxr, stage_of
@@ -83,6 +84,30 @@ def test_shapes_collide_as_they_are_and_look_as_they_do(tmp_path):
     for name in ("newton:selfCollisionEnabled", "physxArticulation:enabledSelfCollisions"):
         assert usd.roots[0].GetAttribute(name).Get() is True
     assert losses(robot, geometry)["I-USD-CONTACT"].endswith("ball: condim")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "check"),
+    [
+        (r"(prepend )?rel physics:filteredPairs = </robot/pill/collisions/collision_1>", "", "model"),
+        (r"physics:filteredPairs = </robot/pill/", "physics:filteredPairs = </robot/ball/", "model"),
+        (r'axis = "Z"', 'axis = "X"', "shapes"),
+        (r'(Sphere "collision_1".*?)(uniform token\[\] xformOpOrder = [^\]]*)\]',
+         r'\1double3 xformOp:scale = (1, 1, 2)\n\2, "xformOp:scale"]', "shapes"),
+    ],
+)  # fmt: skip
+def test_pair_axis_or_scale_that_differs_is_found(pattern, new, check, tmp_path):
+    from linkwright.stages.validate.read.usd import check_file
+
+    robot, geometry = shaped()
+    written = write(robot, tmp_path, plan_of(export={"usd": {}}), geometry).written
+    path = tmp_path / "robot.usda"
+    assert all(result.passed for result in check_file(path, written, quick=False))
+    text, count = re.subn(pattern, new, path.read_text(), count=1, flags=re.DOTALL)
+    assert count
+    path.write_text(text)
+    wrong = [result.name for result in check_file(path, written, quick=False) if not result.passed]
+    assert f"robot.usda: {check}" in wrong
 
 
 def test_frames_and_cameras_are_where_they_were(tmp_path):
