@@ -92,9 +92,14 @@ def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
         node = nodes.get(name)
         if node is None:
             continue
-        for key in ("group", "parent_group"):
-            if node.get(key, "") != getattr(effector, key):
-                yield differs(named("end_effector", name), key, node.get(key), getattr(effector, key))
+        expected = {
+            "group": effector.group,
+            "parent_link": read.link_of(effector.parent_link),
+            "parent_group": effector.parent_group,
+        }
+        for key, value in expected.items():
+            if node.get(key, "") != value:
+                yield differs(named("end_effector", name), key, node.get(key), value)
     for node in read.root.findall("end_effector"):
         if node.get("name", "") not in source:
             yield from _end_of_arm(read, node)

@@ -70,6 +70,11 @@ class ReadSrdf:
     def robot(self) -> Robot:
         return self.written.robot
 
+    def link_of(self, name: str) -> str:
+        """Returns the link of the URDF that a link or a frame of the robot is, or is part of."""
+        holders = self.written.as_urdf.held
+        return holders[name][0] if name in holders else self.written.urdf_names.frames[name]
+
     def moved_by(self, group: str) -> frozenset[str]:
         """Returns the moving joints of a group: the joints that it names, the joints above the links that it
         names, and the joints of its chains and of its groups."""

@@ -99,6 +99,7 @@ def test_fingers_that_overlap_touch_only_without_the_srdf():
     ('<group name="hand">', '<group name="claw">', 'group "hand"'),
     ('<joint name="right_slide"/>', '<joint name="elbow"/>', 'group "hand"'),
     ('group="hand" parent_group="arm"', 'group="all" parent_group="arm"', 'end_effector "gripper"'),
+    ('parent_link="tool"', 'parent_link="lower"', 'end_effector "gripper"'),
     ('<end_effector name="gripper"', '<end_effector name="claw"', 'end_effector "gripper"'),
     ('parent_frame="table"', 'parent_frame="floor"', 'virtual_joint "mount"'),
     ('link2="right" reason="User"', 'link2="right" reason="Never"', 'disable_collisions "left" "right"'),
