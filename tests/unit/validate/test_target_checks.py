@@ -316,7 +316,10 @@ def test_joint_of_a_plugin_or_of_another_model_closes_no_loop(tmp_path):
     assert loops == ['joint "shut"'] * 2
 
 
-@pytest.mark.parametrize(("damping", "expected"), [("0.00", []), ("0e0", []), ("-0", []), ("0.1", ["damping"])])
+ZEROS = [("0.00", []), ("0e0", []), ("-0", []), ("0.1", ["damping"])]
+
+
+@pytest.mark.parametrize(("damping", "expected"), ZEROS)
 def test_number_that_is_zero_is_nothing_to_leave_out(damping, expected, tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(
