@@ -31,7 +31,7 @@ def answer(request: bytes) -> bytes:
     """
     fields = json.loads(request)
     path = Path(fields["path"])
-    mjcf_bounds.require_within_limits(path, [Path(text) for text in fields["texts"]])
+    mjcf_bounds.require_within_limits([Path(text) for text in fields["texts"]])
     model, spec, warnings = _compile_mjcf(path)
     meshes, textures = Meshes(model), Textures(model)
     body = codec.dump(convert(model, spec, meshes, textures, path.name))

@@ -14,8 +14,8 @@ MAX_XML_BYTES = 1 << 25
 """Largest size of an XML file [bytes]: ten times that of a model with 10,000 bodies."""
 
 MAX_COPIES = 10_000
-"""Largest number of elements that all <replicate>, <composite> and <flexcomp> together may copy. A single one
-must not make more copies than this either, even if it is empty."""
+"""Largest number of copies that all <replicate>, <composite> and <flexcomp> of a file together may make. If such
+an element is empty, each of its copies counts as an element."""
 
 MAX_COUNT = 10_000
 """Largest value of an attribute by which MuJoCo allocates memory."""
@@ -43,9 +43,9 @@ _SIZE_ATTRIBUTES = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 """Element → the attributes whose product is its number of cells."""
 
 
-def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
-    """Raises SourceError if the model at `path` exceeds a limit. `xml_files`: all files of the
-    model, including this one.
+def require_within_limits(xml_files: Iterable[Path]) -> None:
+    """Raises SourceError if a file of a model exceeds a limit. `xml_files`: all files of the model, the main
+    file included.
 
     Each file is judged by itself. A model that is too large only across several files, or only for
     MuJoCo's own parser, is stopped by the limits of the guest process.
@@ -59,7 +59,7 @@ def require_within_limits(path: Path, xml_files: Iterable[Path]) -> None:
             continue
         for violation in _violations(root):
             msg = f"it exceeds a size limit: {violation}"
-            raise SourceError(msg, path.name, "remove or reduce it")
+            raise SourceError(msg, xml_file.name, "remove or reduce it")
 
 
 def _violations(root: Element) -> Iterator[str]:
@@ -72,11 +72,10 @@ def _violations(root: Element) -> Iterator[str]:
         copies = copies_inside.get(element.getparent(), 1.0)
         factor = max(1.0, _product(element, "count")) if element.tag in _COPYING_TAGS else 1.0
         copies_inside[element] = copies * factor
-        if copies > 1:
-            copied_elements += copies
-        if copies_inside[element] > 1:
-            # <composite> and <flexcomp> make copies even without child elements.
-            copied_elements = max(copied_elements, copies_inside[element])
+        # <composite> and <flexcomp> make copies even without child elements.
+        made_copies = copies if len(element) else copies_inside[element]
+        if made_copies > 1:
+            copied_elements += made_copies
         if copied_elements > MAX_COPIES:
             tags = ", ".join(f"<{tag}>" for tag in _COPYING_TAGS)
             yield (

@@ -189,9 +189,7 @@ def _require_bounded(document: ModelDocument) -> None:
     """Raises SourceError if few bytes of the model would grow to a huge model."""
     name = document.path.name
     if document.language == "mjcf":
-        mjcf_bounds.require_within_limits(
-            document.path, [document.path, *sorted(set(document.included.values()))]
-        )
+        mjcf_bounds.require_within_limits([document.path, *sorted(set(document.included.values()))])
     if sum(1 for _ in document.root.iter()) > MAX_ELEMENTS:
         raise _refused(f"it has more than {MAX_ELEMENTS} elements", name)
     _require_names(document.root.iter(), name)

@@ -87,6 +87,7 @@ MANY = "9" * 400
         (model(f'<replicate count="{MANY}"/>'), "come to inf"),
         (model('<body><composite type="cable" count="100000 1 1"/></body>'), "<composite>"),
         (model('<body><flexcomp type="grid" count="30 30 30"/></body>'), "come to 27000 elements"),
+        (model('<body><composite type="cable" count="9000 1 1"/></body>' * 2), "come to 18000 elements"),
         (model("", '<size nkey="2000000000"/>'), "<size nkey> is 2000000000; at most 10000"),
         (model("", '<size nuser_body="20000"/>'), "<size nuser_body> is 20000"),
         (model("", '<size nuserdata="20000"/>'), "<size nuserdata> is 20000"),
@@ -101,13 +102,15 @@ MANY = "9" * 400
 def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, said):
     path = written(tmp_path, text)
     with pytest.raises(SourceError) as caught:
-        mjcf_bounds.require_within_limits(path, [path])
+        mjcf_bounds.require_within_limits([path])
     assert said in caught.value.message
 
 
 def test_an_included_file_is_bounded_too(tmp_path):
     written(tmp_path, model('<replicate count="30000"><body/></replicate>'), "inner.xml")
-    assert "come to" in refused(written(tmp_path, model('<include file="inner.xml"/>'))).message
+    error = refused(written(tmp_path, model('<include file="inner.xml"/>')))
+    assert "come to" in error.message
+    assert error.where == "inner.xml"
 
 
 def test_a_robot_within_bounds_is_let_through(tmp_path):
@@ -120,7 +123,7 @@ def test_a_robot_within_bounds_is_let_through(tmp_path):
         "<mujoco>",
     ):
         path = written(tmp_path, text)
-        mjcf_bounds.require_within_limits(path, [path])
+        mjcf_bounds.require_within_limits([path])
 
 
 def test_bounds_take_time_in_proportion(tmp_path):
@@ -129,7 +132,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 
     def counted(count):
         path = written(tmp_path, model("<body><geom/></body>" * count))
-        return lines_run(lambda: mjcf_bounds.require_within_limits(path, [path]))
+        return lines_run(lambda: mjcf_bounds.require_within_limits([path]))
 
     before, after = counted(200), counted(800)
     assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5
