@@ -1,4 +1,4 @@
-"""Formats the numbers in robot files: no other module does.
+"""Formats the numbers in robot files: no other module does. NaN and infinity are errors.
 
 Each number is the shortest text within 1e-12 of its vector's largest entry, so noise such as 1e-17 next to
 0.3 is written as 0, and 0.1 + 0.2 as 0.3. There is no "-0". A vector that may be all noise, such as a
@@ -7,7 +7,7 @@ radians and for vectors of unit length.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -32,13 +32,21 @@ WHOLE = 1e15
 
 
 def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
-    """Returns the shortest text within 1e-12 · `scale` of `value`.
+    """Returns the shortest text within 1e-12 · `scale` of `value`. Raises ValueError for NaN and infinity.
 
     `scale` is |value| by default; `least` replaces it if that is larger.
     """
     value = float(value)
+    _require_finite((value,))
     tolerance = TOLERANCE * max(least, abs(value) if scale is None else scale)
     return _text(value, tolerance, _grid(tolerance))
+
+
+def _require_finite(values: Sequence[float]) -> None:
+    # The scale of NaN is none, and that of infinity makes every other entry noise.
+    if not all(map(math.isfinite, values)):
+        msg = f"{', '.join(map(str, values))}: not finite"
+        raise ValueError(msg)
 
 
 def _text(value: float, tolerance: float, grid: "_Grid") -> str:
@@ -114,9 +122,10 @@ def tidy(text: str) -> str:
 
 def numbers(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> list[str]:
     """Returns the texts of a vector or tensor, all measured by its largest entry, or by `least` if that is
-    larger."""
+    larger. Raises ValueError for NaN and infinity."""
     entries = values.ravel().tolist() if isinstance(values, np.ndarray) else values
     flat = [float(value) for value in entries]
+    _require_finite(flat)
     largest = max(map(abs, flat), default=0.0) if scale is None else scale
     tolerance = TOLERANCE * max(least, largest)
     grid = _grid(tolerance)

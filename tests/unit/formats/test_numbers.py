@@ -1,5 +1,7 @@
 """The formatter of numbers."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -30,6 +32,14 @@ def test_numbers_are_as_short_as_they_can_be(value, text):
 ])  # fmt: skip
 def test_noise_beside_a_large_entry_or_below_the_least_is_zero(values, least, text):
     assert spaced(values, **({} if least is None else {"least": least})) == text
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_number_that_is_not_finite_is_refused(value):
+    with pytest.raises(ValueError, match="not finite"):
+        number(value)
+    with pytest.raises(ValueError, match="not finite"):
+        spaced([1.0, value], least=LENGTH)
 
 
 def test_least_value_depends_on_the_kind_of_a_dof():
