@@ -1,8 +1,12 @@
-"""Writes and reads NumPy's npz, byte for byte the same under any version of NumPy and of zlib: stored,
-without times."""
+"""Writes and reads NumPy's npz.
+
+The bytes are the same under any version of NumPy and of zlib: the arrays are stored uncompressed, without
+times.
+"""
 
 import io
 import math
+import tokenize
 import zipfile
 from collections.abc import Mapping
 from typing import Any
@@ -12,35 +16,35 @@ import numpy.typing as npt
 
 Arrays = Mapping[str, npt.NDArray[Any]]
 
-BEGIN = (1980, 1, 1, 0, 0, 0)
+_EARLIEST_TIME = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a zip can express."""
 
-UNIX = 3
+_UNIX = 3
 """Zip's number of the system that made an entry."""
 
-ALIGNED = 64
-"""NumPy's arrays begin at a multiple of this number of bytes."""
+_ALIGNMENT = 64
+"""NumPy's arrays begin at a multiple of this number [bytes]."""
 
 
 class NotNpz(ValueError):
-    """The error that bytes are not an npz of this module's kind; its message says why."""
+    """The error that bytes are not an uncompressed npz, or lack an array; its message says why."""
 
 
 def npz(arrays: Arrays) -> bytes:
-    """Returns the file, with the arrays in their order."""
+    """Returns the bytes of a file with the arrays by name, in their order."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
         for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", BEGIN)
-            entry.create_system = UNIX
+            entry = zipfile.ZipInfo(f"{name}.npy", _EARLIEST_TIME)
+            entry.create_system = _UNIX
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, _npy(array))
     return buffer.getvalue()
 
 
 def arrays_of(data: bytes) -> dict[str, npt.NDArray[Any]]:
-    """Returns the arrays of a file. Raises NotNpz for other files, or if an array claims to be larger than
-    the file."""
+    """Returns the arrays of a file by name. Raises NotNpz for other files, or if an array does not have the
+    size that its header announces."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = archive.infolist()
@@ -48,7 +52,12 @@ def arrays_of(data: bytes) -> dict[str, npt.NDArray[Any]]:
                 msg = "it is compressed"
                 raise NotNpz(msg)
             return {entry.filename.removesuffix(".npy"): _array(archive.read(entry)) for entry in entries}
-    except (zipfile.BadZipFile, ValueError, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+    except (
+        zipfile.BadZipFile,
+        # NumPy parses the header of an array as Python.
+        *(ValueError, TypeError, SyntaxError, tokenize.TokenError),
+        *(EOFError, OSError, NotImplementedError, RuntimeError),
+    ) as error:
         raise NotNpz(str(error)) from None
 
 
@@ -57,19 +66,22 @@ def _npy(array: npt.NDArray[Any]) -> bytes:
     contiguous = np.ascontiguousarray(array).reshape(array.shape)
     little = contiguous.astype(contiguous.dtype.newbyteorder("<"), copy=False)
     text = f"{{'descr': '{little.dtype.str}', 'fortran_order': False, 'shape': {array.shape!r}, }}"
-    begin = len(np.lib.format.MAGIC_PREFIX) + 4
-    header = text + " " * (-(begin + len(text) + 1) % ALIGNED) + "\n"
+    # The magic prefix, two bytes of the version, two of the header's length.
+    header_start = len(np.lib.format.MAGIC_PREFIX) + 4
+    header = text + " " * (-(header_start + len(text) + 1) % _ALIGNMENT) + "\n"
     start = np.lib.format.magic(1, 0) + len(header).to_bytes(2, "little")
     return start + header.encode("latin1") + little.tobytes()
 
 
 def _array(data: bytes) -> npt.NDArray[Any]:
+    """Returns an array from NumPy's format 1.0. Raises NotNpz, or an error of NumPy, for other bytes."""
     stream = io.BytesIO(data)
     if np.lib.format.read_magic(stream) != (1, 0):
         msg = "an array has another version than 1.0"
         raise NotNpz(msg)
-    shape, _, dtype = np.lib.format.read_array_header_1_0(stream)
+    shape, is_fortran_order, dtype = np.lib.format.read_array_header_1_0(stream)
     if dtype.hasobject or math.prod(shape) * dtype.itemsize != len(data) - stream.tell():
         msg = "an array does not have the size that its header announces"
         raise NotNpz(msg)
-    return np.frombuffer(data, dtype, offset=stream.tell()).reshape(shape)
+    values = np.frombuffer(data, dtype, offset=stream.tell())
+    return values.reshape(shape, order="F" if is_fortran_order else "C")

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import zipfile
 
 import mujoco
 import numpy as np
@@ -363,6 +364,22 @@ def test_file_is_stored_without_times():
             assert (read[name] == array).all()
 
 
+def test_array_by_columns_is_read_as_it_is():
+    array = np.asfortranarray(np.arange(6.0).reshape(2, 3))
+    data = io.BytesIO()
+    np.savez(data, a=array)
+    assert (arrays_of(data.getvalue())["a"] == array).all()
+
+
+def npz_of_header(header):
+    """An npz of a single array without values."""
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        array = np.lib.format.magic(1, 0) + len(header).to_bytes(2, "little") + header.encode()
+        archive.writestr("a.npy", array)
+    return data.getvalue()
+
+
 NPZ = "2d8a6b45333525e2c875f98b069c2fc1bfc44e979213cd5e68c9b1626e2056ab"
 
 
@@ -371,6 +388,7 @@ def test_other_files_are_refused():
     np.savez_compressed(packed, a=np.zeros(1000))
     objects = io.BytesIO()
     np.savez(objects, a=np.array([{}], object))
-    for data in (b"", b"PK", packed.getvalue(), huge, objects.getvalue(), npz({"a": np.zeros(9)})[:-40]):
+    for data in (b"", b"PK", packed.getvalue(), huge, objects.getvalue(), npz({"a": np.zeros(9)})[:-40],
+                 *map(npz_of_header, ("((((", "  1\n 2", "{[]: 1}"))):
         with pytest.raises(NotNpz):
             arrays_of(data)
