@@ -11,7 +11,7 @@ Element: TypeAlias = Any
 """An lxml element; lxml ships no types of its own."""
 
 
-_MAX_LEVELS = 100
+_MAX_INDENTED_LEVELS = 100
 """Number of levels beyond which the indentation does not grow."""
 
 
@@ -32,12 +32,12 @@ class Malformed(ValueError):
 
     @property
     def place(self) -> str:
-        """Returns the message with line and column."""
+        """The message, with line and column as far as they are known."""
         return self._at(self.problem)
 
     @property
     def quoted_place(self) -> str:
-        """Returns the message with line and column, and with words of the text."""
+        """The message with words of the text, with line and column as far as they are known."""
         return self._at(self.quoted)
 
     def _at(self, problem: str) -> str:
@@ -94,28 +94,30 @@ def _indent(root: Element) -> None:
     waiting = [(everything[0], 0)]
     while waiting:
         parent, level = waiting.pop()
-        inner = "\n" + "  " * min(level + 1, _MAX_LEVELS)
+        before_child = "\n" + "  " * min(level + 1, _MAX_INDENTED_LEVELS)
         last = None
         for child in parent:
             if last is None:
-                parent.text = _spaced(parent.text, inner)
+                parent.text = _indented(parent.text, before_child)
             else:
-                last.tail = _spaced(last.tail, inner)
+                last.tail = _indented(last.tail, before_child)
             last = child
             if len(child):
                 waiting.append((child, level + 1))
         if last is not None:
-            last.tail = _spaced(last.tail, "\n" + "  " * min(level, _MAX_LEVELS))
+            last.tail = _indented(last.tail, "\n" + "  " * min(level, _MAX_INDENTED_LEVELS))
 
 
-def _spaced(text: str | None, space: str) -> str:
+def _indented(text: str | None, space: str) -> str:
+    """Returns `space` in place of a blank text; other texts stay."""
     return space if text is None or not text.strip() else text
 
 
 def parse(data: bytes, *, large: bool = False) -> Element:
     """Returns the root element, without comments. Raises Malformed for malformed text.
 
-    `large`: texts may be longer than 10 MB, as the arrays of a mesh are. No entity is expanded and nothing is
+    `large`: texts may be longer than 10 MB, as the arrays of a mesh are, and elements may be nested 2048 levels
+    deep instead of 256. No entity is expanded and nothing is
     fetched: a text that declares entities is refused. A prefix without a declared namespace is accepted, as
     most readers know no namespaces.
     """
@@ -126,7 +128,7 @@ def parse(data: bytes, *, large: bool = False) -> Element:
         # The error's own log holds the errors of earlier texts too.
         errors = list(parser.error_log)
         if not errors or any(entry.domain != etree.ErrorDomains.NAMESPACE for entry in errors):
-            raise _why(error, errors) from None
+            raise _malformed(error, errors) from None
         root = etree.fromstring(data, _parser(large, recover=True))
     dtd = root.getroottree().docinfo.internalDTD
     if dtd is not None and next(dtd.iterentities(), None) is not None:
@@ -140,28 +142,31 @@ def fragment(text: str) -> list[Element]:
 
     Raises Malformed as `parse`, and if there is no element, or text outside of an element.
     """
-    begin, end = f"<{_AROUND}>", f"</{_AROUND}>"
+    start_tag, end_tag = f"<{_WRAPPER}>", f"</{_WRAPPER}>"
+    # Blanks in place of the declaration, so that lines and columns stay.
     bare = _DECLARATION.sub(lambda match: re.sub(r"\S", " ", match.group()), text.removeprefix("\ufeff"))
     try:
-        root = parse(f"{begin}{bare}{end}".encode())
+        root = parse(f"{start_tag}{bare}{end_tag}".encode())
     except Malformed as error:
         column = error.column
         if error.line is not None and column is not None:
-            # An error at the end of the text is found in the element around the text.
-            shift = len(begin) if error.line == 1 else 0
-            column = min(max(1, column - shift), len(bare.splitlines()[error.line - 1]) + 1 if bare else 1)
-        unclosed = _MISMATCH.match(error.quoted)
+            # An error at the end of the text is found in the end tag of the wrapper.
+            lines = bare.split("\n")
+            length = len(lines[error.line - 1]) if error.line <= len(lines) else 0
+            shift = len(start_tag) if error.line == 1 else 0
+            column = min(max(1, column - shift), length + 1)
+        mismatch = _MISMATCH.match(error.quoted)
         problem, quoted = error.problem, error.quoted
-        if unclosed is not None:
-            tag, line, other = unclosed.groups()
+        if mismatch is not None:
+            opened_tag, line, closing_tag = mismatch.groups()
             problem = f"an end tag does not close the element of line {line}"
-            quoted = f"</{other}> does not close <{tag}> of line {line}"
-            if other == _AROUND:
-                end = f"of line {line} is not closed"
-                problem, quoted = f"an element {end}", f"<{tag}> {end}"
-            elif tag == _AROUND:
-                problem, quoted = "an end tag closes nothing", f"</{other}> closes nothing"
-        raise Malformed(problem, error.line, column, quoted.replace(_AROUND, "text")) from None
+            quoted = f"</{closing_tag}> does not close <{opened_tag}> of line {line}"
+            if closing_tag == _WRAPPER:
+                fault = f"of line {line} is not closed"
+                problem, quoted = f"an element {fault}", f"<{opened_tag}> {fault}"
+            elif opened_tag == _WRAPPER:
+                problem, quoted = "an end tag closes nothing", f"</{closing_tag}> closes nothing"
+        raise Malformed(problem, error.line, column, quoted.replace(_WRAPPER, "text")) from None
     for words, line in ((root.text, 1), *((node.tail, node.sourceline) for node in root)):
         if words is not None and words.strip():
             problem = "text outside of an element"
@@ -175,11 +180,14 @@ def fragment(text: str) -> list[Element]:
     return nodes
 
 
-_AROUND = "linkwright.fragment"
+_WRAPPER = "linkwright.fragment"
+"""The element around a text of several elements while it is parsed."""
 
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
+"""An XML declaration, which only the beginning of a document may have."""
 
 _MISMATCH = re.compile(r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)")
+"""The parser's message of an end tag of another element: the open element, its line, and the end tag."""
 
 
 def _parser(large: bool, *, recover: bool = False) -> Any:
@@ -194,8 +202,8 @@ def _parser(large: bool, *, recover: bool = False) -> Any:
     )
 
 
-def _why(error: Any, errors: list[Any]) -> Malformed:
-    """Returns the first error, with its line."""
+def _malformed(error: Any, errors: list[Any]) -> Malformed:
+    """Returns our error for a parser's error: by the first of its `errors` that is not about namespaces."""
     if not errors:
         return Malformed("it is not XML", quoted=str(error.msg))
     first = next((entry for entry in errors if entry.domain != etree.ErrorDomains.NAMESPACE), errors[0])
@@ -203,19 +211,19 @@ def _why(error: Any, errors: list[Any]) -> Malformed:
     limit = next((message for pattern, message in _LIMITS.items() if pattern in text), None)
     if limit is not None:
         return Malformed(limit, first.line, first.column)
-    unclosed = _MISMATCH.match(text)
-    problem = f"an end tag does not close the element of line {unclosed[2]}" if unclosed else ""
+    mismatch = _MISMATCH.match(text)
+    problem = f"an end tag does not close the element of line {mismatch[2]}" if mismatch else ""
     return Malformed(problem or _unquoted(first, text), first.line, first.column, text)
 
 
 def _unquoted(first: Any, text: str) -> str:
     """Returns the parser's message if it is the same for each text, or else the name of its error."""
-    opening = next((words for words in _WORDS if text.startswith(words)), None)
+    message = next((words for words in _SAFE_MESSAGES if text.startswith(words)), None)
     name = first.type_name.removeprefix("ERR_").replace("_", " ").lower()
-    return opening or _MEANINGS.get(first.type_name) or f"it is not XML ({name})"
+    return message or _MEANINGS.get(first.type_name) or f"it is not XML ({name})"
 
 
-_WORDS = (
+_SAFE_MESSAGES = (
     "Start tag expected, '<' not found",
     "StartTag: invalid element name",
     "EndTag: '</' not found",
@@ -248,7 +256,7 @@ _MEANINGS = {
 
 
 _LIMITS = {
-    "Excessive depth": "elements are nested more than 256 deep",
+    "Excessive depth": "elements are nested too deeply",
     "Resource limit": "a text or a value is longer than 10 MB",
     "amplification": "its entities expand beyond the limit",
 }

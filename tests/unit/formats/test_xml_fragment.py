@@ -22,6 +22,7 @@ def test_fragment_is_its_elements(text, elements):
     ("", "there is no element"),
     ("<!-- nothing -->", "there is no element"),
     ("<a>", "line 1, column 4: <a> of line 1 is not closed"),
+    ("<a>\n", "line 2, column 1: <a> of line 1 is not closed"),
     ("<a>\n  <b></a>", "line 2, column 10: </a> does not close <b> of line 2"),
     ("</a>", "line 1, column 5: </a> closes nothing"),
     ("<a/>\n  <b x=3/>", "line 2, column 8:"),
