@@ -71,8 +71,8 @@ def parse(text: bytes, where: str) -> Urdf:
         replace(joint, armature=armatures.get(joint.name)) if joint.armature is None else joint
         for joint in joints
     ]
-    _report_doubles("link", links, log)
-    _report_doubles("joint", joints, log)
+    _report_repeated_names("link", links, log)
+    _report_repeated_names("joint", joints, log)
     _report_textures(links, log, root)
     if not links:
         log.report("E-URDF-EMPTY", root, "the robot has no link")
@@ -291,15 +291,16 @@ def _mimic(element: Element, log: FileDiagnostics) -> UrdfMimic | None:
     return UrdfMimic(followed, 1.0 if multiplier is None else multiplier, offset or 0.0)
 
 
-def _report_doubles(kind: str, items: Iterable[UrdfLink | UrdfJoint], log: FileDiagnostics) -> None:
-    first: dict[str, int] = {}
+def _report_repeated_names(kind: str, items: Iterable[UrdfLink | UrdfJoint], log: FileDiagnostics) -> None:
+    """Reports E-URDF-NAME for each item with the name of an earlier item; missing names are reported
+    already."""
+    first_line_by_name: dict[str, int] = {}
     for item in items:
-        if not item.name.strip():
-            continue
-        line = first.setdefault(item.name, item.line)
-        if line != item.line:
-            msg = f'another {kind} is called "{item.name}" too, in line {line}'
+        if item.name in first_line_by_name:
+            msg = f'another {kind} is called "{item.name}" too, in line {first_line_by_name[item.name]}'
             log.report("E-URDF-NAME", item.line, msg, "give each a name of its own")
+        elif item.name.strip():
+            first_line_by_name[item.name] = item.line
 
 
 def _report_textures(links: Iterable[UrdfLink], log: FileDiagnostics, root: Element) -> None:

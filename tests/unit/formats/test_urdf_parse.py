@@ -178,6 +178,7 @@ def test_materials_are_a_visuals_own_or_named_in_the_file():
     (joint(kind="hinge"), "E-URDF-TYPE", '"hinge"'),
     ('<link name="a"/><joint name="j" type="fixed"><child link="a"/></joint>', "E-URDF-JOINT", "<parent"),
     ('<link name="a"/>\n<link name="a"/>', "E-URDF-NAME", "line 2"),
+    ('<link name="a"/><link name="a"/>', "E-URDF-NAME", "line 2"),
     ('<link name=" "/>', "E-URDF-NAME", "no name"),
     ("", "E-URDF-EMPTY", "no link"),
     (visual('<box size="1 -1 1"/>'), "E-URDF-SHAPE", "size"),
