@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 
 import numpy as np
 import pytest
@@ -58,6 +59,17 @@ def test_points_are_those_of_pycollada():
     ]
     expected = document.assetInfo.unitmeter * np.concatenate(placed)
     assert distinct(dae_points(DAE.encode())) == pytest.approx(distinct(expected), abs=1e-6)
+
+
+def test_elements_may_have_a_prefix():
+    prefixed = re.sub(r"<(/?)(\w)", r"<\1c:\2", DAE).replace("xmlns=", "xmlns:c=")
+    assert (dae_points(prefixed.encode()) == dae_points(DAE.encode())).all()
+
+
+def test_points_of_all_uses_are_limited(monkeypatch):
+    monkeypatch.setattr("linkwright.stages.formats.meshes.dae_points._MAX_POINTS", 7)
+    with pytest.raises(Damaged, match="more than 7 points"):
+        dae_points(DAE.encode())
 
 
 @pytest.mark.parametrize(("old", "new"), [
