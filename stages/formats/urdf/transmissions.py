@@ -46,7 +46,8 @@ def controlled(element: Element, log: FileDiagnostics) -> list[Transmission]:
 
 def rotors(element: Element, log: FileDiagnostics) -> dict[str, float]:
     """Returns the reflected inertia of each joint's rotor [kg m² or kg], if a <transmission> has it as Drake
-    does: the inertia of the rotor times the square of the gear's ratio."""
+    does: the inertia of the rotor times the square of the gear's ratio. A negative inertia is left out
+    (reports E-URDF-NUMBER)."""
     joints = [node.get("name", "") for node in element if tag(node) == "joint"]
     actuators = [node for node in element if tag(node) == "actuator"]
     inertia_by_joint = {}
@@ -54,7 +55,10 @@ def rotors(element: Element, log: FileDiagnostics) -> dict[str, float]:
         parts = {tag(node).removeprefix("drake:"): node for node in actuator}
         inertia = number(parts["rotor_inertia"], "value", log) if "rotor_inertia" in parts else None
         ratio = number(parts["gear_ratio"], "value", log) if "gear_ratio" in parts else None
-        if inertia is not None:
+        if inertia is not None and inertia < 0:
+            text = f'<{tag(parts["rotor_inertia"])} value="{inertia:g}">: must not be negative'
+            log.report("E-URDF-NUMBER", parts["rotor_inertia"], text)
+        elif inertia is not None:
             inertia_by_joint[joint] = inertia * (1.0 if ratio is None else ratio) ** 2
     return inertia_by_joint
 

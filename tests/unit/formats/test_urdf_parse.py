@@ -179,6 +179,8 @@ def test_materials_are_a_visuals_own_or_named_in_the_file():
     ('<link name="a"/><joint name="j" type="fixed"><child link="a"/></joint>', "E-URDF-JOINT", "<parent"),
     ('<link name="a"/>\n<link name="a"/>', "E-URDF-NAME", "line 2"),
     ('<link name="a"/><link name="a"/>', "E-URDF-NAME", "line 2"),
+    (joint() + '<transmission name="t"><joint name="j"/><actuator name="m">'
+     '<rotor_inertia value="-1"/></actuator></transmission>', "E-URDF-NUMBER", "must not be negative"),
     ('<link name=" "/>', "E-URDF-NAME", "no name"),
     ("", "E-URDF-EMPTY", "no link"),
     (visual('<box size="1 -1 1"/>'), "E-URDF-SHAPE", "size"),
