@@ -6,7 +6,7 @@ from linkwright.stages.formats import xml
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.model.dofs import AS_THE_MATE, MateValue
 
-REDUCTIONS = ("mechanicalReduction", "mechanical_reduction")
+_REDUCTION_TAGS = ("mechanicalReduction", "mechanical_reduction")
 
 
 def with_counts(text: str, counts: Mapping[str, MateValue]) -> str:
@@ -24,7 +24,7 @@ def with_counts(text: str, counts: Mapping[str, MateValue]) -> str:
         if mate_value == AS_THE_MATE:
             continue
         holder = joint.getparent()
-        if root is joint or (holder is not None and tag(holder) == "transmission"):
+        if holder is not None and tag(holder) == "transmission":
             _recount_transmission(joint, root, mate_value)
         else:
             for interface in joint:
@@ -33,15 +33,17 @@ def with_counts(text: str, counts: Mapping[str, MateValue]) -> str:
 
 
 def _recount_interface(interface: Element, mate_value: MateValue) -> None:
+    """Changes the range and the initial value of a command or state interface."""
     values = {node.get("name"): node for node in interface if tag(node) == "param"}
-    of_position = interface.get("name") == "position"
-    if not of_position:
+    if interface.get("name") != "position":
+        # Speeds and forces have no zero to choose.
         mate_value = MateValue(mate_value.sign)
     if "initial_value" in values:
         _change(values["initial_value"], mate_value)
     ends = [values[name] for name in ("min", "max") if name in values]
     for end in ends:
         _change(end, mate_value)
+    # With the other sign the lower end is the upper one.
     if mate_value.sign < 0:
         for name, end in (("max", values.get("min")), ("min", values.get("max"))):
             if end is not None:
@@ -49,14 +51,10 @@ def _recount_interface(interface: Element, mate_value: MateValue) -> None:
 
 
 def _recount_transmission(joint: Element, root: Element, mate_value: MateValue) -> None:
-    holder = joint.getparent()
-    holders = [joint] if holder is None else [joint, *(node for node in holder if tag(node) == "actuator")]
-    reduction = next((node for place in holders for node in place if tag(node) in REDUCTIONS), None)
+    """Changes the reduction and the offset of a joint of a <transmission>. `root`: the element of the whole
+    text."""
     if mate_value.sign < 0:
-        if reduction is None:
-            reduction = xml.element(joint, "mechanical_reduction")
-            reduction.text = "1"
-        _change(reduction, MateValue(-1))
+        _reverse_reduction(joint)
     offset = next((node for node in joint if tag(node) == "offset"), None)
     if offset is not None:
         _change(offset, mate_value)
@@ -64,10 +62,30 @@ def _recount_transmission(joint: Element, root: Element, mate_value: MateValue) 
         xml.element(joint, "offset").text = _text(mate_value.from_mate(0.0))
 
 
+def _reverse_reduction(joint: Element) -> None:
+    """Changes the sign of the reduction between a joint of a <transmission> and its actuator.
+
+    A transmission of a single joint has the reduction in the joint, in the actuator or next to them. With
+    several joints, the reduction of an actuator is not that of a joint, but comes in addition
+    (transmission_interface, "DifferentialTransmission"): so only the joint's own changes, by default 1.
+    """
+    transmission = joint.getparent()
+    places = [joint]
+    if sum(tag(node) == "joint" for node in transmission) == 1:
+        places += [*(node for node in transmission if tag(node) == "actuator"), transmission]
+    reduction = next((node for place in places for node in place if tag(node) in _REDUCTION_TAGS), None)
+    if reduction is None:
+        reduction = xml.element(joint, "mechanical_reduction")
+        reduction.text = "1"
+    _change(reduction, MateValue(-1))
+
+
 def _change(element: Element, mate_value: MateValue) -> None:
+    """Counts the number in an element as `mate_value` says."""
     try:
         value = float((element.text or "").strip())
-    except ValueError:  # a placeholder of the user's, which stays
+    except ValueError:
+        # A placeholder of the user's stays.
         return
     element.text = _text(mate_value.from_mate(value))
 

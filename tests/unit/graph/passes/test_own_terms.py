@@ -190,6 +190,24 @@ def test_a_ros2_controls_ranges_are_counted_anew():
     assert with_counts(CONTROL, {"slew": MateValue()}) == CONTROL
 
 
+@pytest.mark.parametrize(("inner", "expected"), [
+    ('<actuator name="a"/><joint name="slew"/><mechanicalReduction>20</mechanicalReduction>', ["-20"]),
+    (
+        '<joint name="slew"/><actuator name="a"><mechanicalReduction>20</mechanicalReduction></actuator>',
+        ["-20"],
+    ),
+    ('<joint name="slew"/><actuator name="a"/>', ["-1"]),
+    (
+        '<joint name="other"/><joint name="slew"/>'
+        '<actuator name="a"><mechanicalReduction>20</mechanicalReduction></actuator><actuator name="b"/>',
+        ["-1", "20"],
+    ),
+])  # fmt: skip
+def test_reduction_changes_its_sign_wherever_it_is(inner, expected):
+    text = with_counts(f'<transmission name="t">{inner}</transmission>', {"slew": MateValue(-1)})
+    assert [element.text for element in etree.fromstring(text).iter("{*}*") if element.text] == expected
+
+
 def zeroed(robot, log):
     """The robot with q = 0 at the saved pose."""
     return with_zero(robot, "saved", {}, log)
