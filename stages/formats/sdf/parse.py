@@ -70,7 +70,8 @@ class _Reader:
             raise SdfError(f"<{tags[0]}> of a model is not read")
         if not self._kinds["link"]:
             raise SdfError("the model has no link")
-        self._places: dict[str, Array | None] = {MODEL: np.eye(4)}
+        self._places: dict[str, Array] = {MODEL: np.eye(4)}
+        """Name → model_from_frame (4, 4), for those computed so far."""
 
     def model(self) -> SdfModel:
         """Returns the model of the file."""
@@ -96,29 +97,38 @@ class _Reader:
         return name
 
     def _place(self, name: str) -> Array:
-        """Returns model_from_frame (4, 4) of a link, joint or frame."""
-        if name in self._places:
-            pose_above = self._places[name]
-            if pose_above is None:
-                raise SdfError(f"the pose of {name!r} is relative to itself")
-            return pose_above
-        if name not in self._elements:
-            raise SdfError(f"nothing is named {name!r}")
-        self._places[name] = None
-        node = self._elements[name]
+        """Returns model_from_frame (4, 4) of a link, joint or frame. Raises SdfError if the name, or one that
+        its pose is relative to, does not exist, or if its pose is relative to itself."""
+        # Not recursive: a chain of frames may be longer than Python's stack.
+        reference_of: dict[str, str] = {}
+        unplaced = name
+        while unplaced not in self._places:
+            if unplaced in reference_of:
+                raise SdfError(f"the pose of {unplaced!r} is relative to itself")
+            if unplaced not in self._elements:
+                raise SdfError(f"nothing is named {unplaced!r}")
+            reference = self._reference(self._elements[unplaced])
+            reference_of[unplaced] = reference
+            unplaced = reference
+        for frame, reference in reversed(reference_of.items()):
+            pose = pose_of(self._elements[frame].find("pose"))
+            self._places[frame] = self._places[reference] @ pose
+        return self._places[name]
+
+    @staticmethod
+    def _reference(node: Element) -> str:
+        """Returns the name of the frame in which an element has its pose."""
+        default = {"joint": node.findtext("child"), "frame": node.get("attached_to")}.get(node.tag) or MODEL
         pose = node.find("pose")
-        unless = {"joint": node.findtext("child"), "frame": node.get("attached_to")}.get(node.tag) or MODEL
-        above = self._place((pose.get("relative_to") if pose is not None else None) or unless)
-        self._places[name] = pose_above = above @ pose_of(pose)
-        return pose_above
+        return str((None if pose is None else pose.get("relative_to")) or default)
 
     def _moves_with(self, name: str) -> str:
-        """Returns the link that a frame moves with."""
-        path: list[str] = []
+        """Returns the link that a frame moves with. Raises SdfError if it is on no link."""
+        path: dict[str, None] = {}
         while name not in self._kinds["link"]:
             if name in path or name == MODEL or name not in self._elements:
-                raise SdfError(f"the frame {path[0] if path else name!r} is on no link")
-            path.append(name)
+                raise SdfError(f"the frame {next(iter(path), name)!r} is on no link")
+            path[name] = None
             node = self._elements[name]
             name = str(node.findtext("child") if node.tag == "joint" else node.get("attached_to") or MODEL)
         return name
@@ -172,7 +182,11 @@ class _Reader:
 
 
 def _named(top: Element, tag: str) -> Mapping[str, Element]:
+    """Returns the elements of this tag in a model, by name. Raises SdfError if a name is missing or there
+    twice."""
     nodes = top.findall(tag)
+    if not all(node.get("name") for node in nodes):
+        raise SdfError(f"an element <{tag}> has no name")
     nodes_by_name = {str(node.get("name")): node for node in nodes}
     if len(nodes_by_name) != len(nodes):
         raise SdfError(f"two elements <{tag}> have the same name")

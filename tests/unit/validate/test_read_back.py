@@ -244,6 +244,36 @@ def test_what_cannot_be_read_is_one_failed_check_that_says_why(fault, good, tmp_
         parse_sdf((tmp_path / "robot.sdf").read_bytes())
 
 
+def sdf_of(frames):
+    """An SDF of a link and of frames."""
+    entries = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    tensor = "".join(f"<{entry}>{int(entry[1] == entry[2])}</{entry}>" for entry in entries)
+    inertial = f"<inertial><mass>1</mass><inertia>{tensor}</inertia></inertial>"
+    model = f'<model name="m"><link name="base">{inertial}</link>{frames}</model>'
+    return f'<sdf version="1.9">{model}</sdf>'.encode()
+
+
+def test_long_chain_of_frames_is_placed():
+    pose = "<pose>0 0 1 0 0 0</pose>"
+    frames = [f'<frame name="f{n}" attached_to="f{n + 1}">{pose}</frame>' for n in range(1500)]
+    last = '<frame name="f1500" attached_to="base"/>'
+    frame = parse_sdf(sdf_of("".join(frames) + last)).frames["f0"]
+    assert (frame.link, frame.model_from_frame[2, 3]) == ("base", 1500)
+
+
+@pytest.mark.parametrize(("frames", "fault"), [
+    ("<frame/>", "an element <frame> has no name"),
+    ('<frame name="a"><pose relative_to="b"/></frame><frame name="b" attached_to="a"/>', "is on no link"),
+    ('<frame name="a" attached_to="base"><pose relative_to="b">0 0 0 0 0 0</pose></frame>'
+     '<frame name="b" attached_to="a"/>', "the pose of 'a' is relative to itself"),
+    ('<frame name="a" attached_to="base"><pose relative_to="b">0 0 0 0 0 0</pose></frame>',
+     "nothing is named 'b'"),
+])  # fmt: skip
+def test_frame_without_a_name_or_a_place_is_refused(frames, fault):
+    with pytest.raises(SdfError, match=fault):
+        parse_sdf(sdf_of(frames))
+
+
 @pytest.mark.parametrize("text", ["", "nonsense", "#usda 1.0\n"])
 def test_usd_that_cannot_be_read_is_one_failed_check(text, good, tmp_path):
     written = good("usd", tmp_path)
