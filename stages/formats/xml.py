@@ -116,10 +116,9 @@ def _indented(text: str | None, space: str) -> str:
 def parse(data: bytes, *, large: bool = False) -> Element:
     """Returns the root element, without comments. Raises Malformed for malformed text.
 
-    `large`: texts may be longer than 10 MB, as the arrays of a mesh are, and elements may be nested 2048 levels
-    deep instead of 256. No entity is expanded and nothing is
-    fetched: a text that declares entities is refused. A prefix without a declared namespace is accepted, as
-    most readers know no namespaces.
+    `large`: texts may be longer than 10 MB, as the arrays of a mesh are, and elements may be nested 2048
+    levels deep instead of 256. No entity is expanded and nothing is fetched: a text that declares entities is
+    refused. A prefix without a declared namespace is accepted, as most readers know no namespaces.
     """
     parser = _parser(large)
     try:

@@ -14,8 +14,8 @@ MAX_XML_BYTES = 1 << 25
 """Largest size of an XML file [bytes]: ten times that of a model with 10,000 bodies."""
 
 MAX_COPIES = 10_000
-"""Largest number of copies that all <replicate>, <composite> and <flexcomp> of a file together may make. If such
-an element is empty, each of its copies counts as an element."""
+"""Largest number of copies of elements that all <replicate>, <composite> and <flexcomp> of a file may make
+together. If such an element is empty, each of its own copies counts."""
 
 MAX_COUNT = 10_000
 """Largest value of an attribute by which MuJoCo allocates memory."""

@@ -388,7 +388,14 @@ def test_other_files_are_refused():
     np.savez_compressed(packed, a=np.zeros(1000))
     objects = io.BytesIO()
     np.savez(objects, a=np.array([{}], object))
-    for data in (b"", b"PK", packed.getvalue(), huge, objects.getvalue(), npz({"a": np.zeros(9)})[:-40],
-                 *map(npz_of_header, ("((((", "  1\n 2", "{[]: 1}"))):
+    for data in (
+        b"",
+        b"PK",
+        packed.getvalue(),
+        huge,
+        objects.getvalue(),
+        npz({"a": np.zeros(9)})[:-40],
+        *map(npz_of_header, ("((((", "  1\n 2", "{[]: 1}")),
+    ):
         with pytest.raises(NotNpz):
             arrays_of(data)
