@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 65
+VERSION = 66
 """Number that grows whenever the stage gives other files for the same input."""
 
 

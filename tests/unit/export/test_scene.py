@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -16,8 +17,11 @@ from linkwright.stages.export.configuration.mujoco_section import (
     OptionSection,
 )
 from linkwright.stages.robot.errors import ExportError
+from linkwright.stages.robot.model.geom_form import GeomForm
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Frame, frozen
+from tests.support.mjcfs import body, rebuilt, written
+from tests.support.mjcfs import model as mjcf
 from tests.support.mujoco_schema import schema
 from tests.support.robots import at, joint, robot_with
 from tests.support.states import pose_of, state
@@ -181,3 +185,43 @@ def test_overview_sees_every_corner_of_the_robot(tmp_path):
     assert (model.stat.center > [-0.1, -0.05, 0.0]).all()
     assert (model.stat.center < [0.35, 0.15, 0.3]).all()
     assert 0.25 < model.stat.extent < 0.6
+
+
+def scene_of_source(folder, inside="", more="", **keys):
+    """The compiled scene of an MJCF source with an arm that carries `inside`."""
+    arm = body("arm", f'<joint axis="0 1 0"/>{inside}', pos="0 0 1")
+    files = rebuilt(written(folder, mjcf(arm, more)), **keys).files
+    return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), files)
+
+
+MOON = [0, 0, -1.62]
+NO_GRAVITY = int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+
+
+def test_gravity_of_the_user_holds_if_the_source_sets_the_flag(tmp_path):
+    more, option = '<option><flag gravity="disable"/></option>', {"gravity": MOON}
+    options = scene_of_source(tmp_path, more=more, scene={"option": option}).opt
+    assert (options.gravity.tolist(), options.disableflags & NO_GRAVITY) == (MOON, NO_GRAVITY)
+
+
+def test_flag_of_the_user_holds_if_the_source_sets_gravity(tmp_path):
+    more, option = '<option gravity="0 0 -1.62"/>', {"flag": {"gravity": "disable"}}
+    options = scene_of_source(tmp_path, more=more, scene={"option": option}).opt
+    assert (options.gravity.tolist(), options.disableflags & NO_GRAVITY) == (MOON, NO_GRAVITY)
+
+
+def test_sun_has_another_name_if_the_robot_carries_one(tmp_path):
+    model = scene_of_source(tmp_path, '<light name="sun"/>')
+    assert [model.light(index).name for index in range(model.nlight)] == ["sun_2", "sun"]
+
+
+def test_overview_is_the_camera_of_the_robot_if_it_has_one(tmp_path):
+    model = scene_of_source(tmp_path, '<camera name="overview" fovy="33"/>')
+    assert (model.ncam, model.camera("overview").fovy[0]) == (1, 33)
+
+
+def test_floor_has_another_name_if_a_collider_has_its_name(tmp_path):
+    foot = replace(ball(0.1), form=GeomForm("floor"))
+    robot = robot_with([joint("revolute", "base", "arm")], shapes={"arm": (foot,)})
+    model = scene_of(robot, tmp_path)
+    assert model.geom("floor_2").type[0] == mujoco.mjtGeom.mjGEOM_PLANE
