@@ -118,7 +118,7 @@ def _written(
     actuation = actuation_of(keys.target.chosen, driven_actuation)
     of_actuators = (*of_actuators, *_for_targets(keys, driven_actuation, actuation))
     robot = with_actuation(robot, actuation)
-    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form.fused)
+    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form)
     written = replace(
         written,
         robot=robot,

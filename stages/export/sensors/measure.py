@@ -1,15 +1,17 @@
 """Collects the sensors of a robot: those of the source, of the key `actuators`, and of the key `sensors`."""
 
-from collections.abc import Collection
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from linkwright.stages.export.sensors.mounted import MountedSensors
 from linkwright.stages.export.sensors.of_dofs import actuator_sensors, joint_sensors, requested_sensors
+from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.dynamics.measuring import available_sensors
 from linkwright.stages.robot.errors import Diagnostic, ExportError
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.geometry import Geometry
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
 from linkwright.stages.robot.model.robot import Robot, Sensor
 from linkwright.stages.robot.model.sensing import Sensing
 from linkwright.stages.robot.text.names import plain
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
 
 OVERVIEW = "overview"
-"""Name of the camera that every scene has."""
+"""Name of the camera that the scene has by default."""
 
 
 def sensing_of(
@@ -27,13 +29,18 @@ def sensing_of(
     geometry: Geometry,
     actuation: Actuation,
     keys: "ExportSections",
-    fused: Collection[str] = (),
+    mjcf_form: MjcfForm,
 ) -> tuple[Sensing, tuple[Diagnostic, ...]]:
     """Returns the sensors of the source, of actuators, and of the key `sensors`, in this order, with
-    diagnostics. `fused`: the links without bodies of their own in the MJCF. Raises ExportError with all
-    problems."""
+    diagnostics. Raises ExportError with all problems."""
     log = Diagnostics(optional=keys.optional)
-    mounted = MountedSensors(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
+    extras = mjcf_form.extras or NO_EXTRAS
+    camera_places = {
+        OVERVIEW: "scene.xml",
+        **dict.fromkeys(_camera_names(extras), "the source"),
+        **dict.fromkeys(keys.scene.cameras, "scene.cameras"),
+    }
+    mounted = MountedSensors(robot, geometry, mjcf_form.fused, camera_places, log)
     sensors = [("", mounted.of_source(source)) for source in available_sensors(robot, actuation)]
     sensors += requested_sensors(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
@@ -49,7 +56,8 @@ def sensing_of(
             )
         else:
             sensors += ((where, measured) for measured in mounted.sensors(name, sensor))
-    _check_names(sensors, log)
+    sections = (*extras.sections, *extras.scene)
+    _check_names(sensors, [element.name for element in children_of(sections, "sensor")], log)
     if log.problems:
         msg = f"the sensors cannot be made: {count(len(log.problems), 'problem')}"
         raise ExportError(
@@ -61,9 +69,19 @@ def sensing_of(
     return sensing, tuple(log.notes)
 
 
-def _check_names(sensors: list[tuple[str, Sensor]], log: Diagnostics) -> None:
-    """Reports each name that two sensors have (E-SENSOR)."""
-    owners: dict[str, str] = {}
+def _camera_names(extras: MjcfExtras) -> Iterator[str]:
+    """Yields the names of the cameras of an MJCF source."""
+    elements = [mount.element for mount in extras.mounted]
+    elements += [element for section in extras.scene for element in section.inside()]
+    yield from (element.name for element in elements if element.tag == "camera")
+
+
+def _check_names(
+    sensors: Iterable[tuple[str, Sensor]], names_in_sections: Iterable[str], log: Diagnostics
+) -> None:
+    """Reports each name that two sensors have (E-SENSOR). `sensors`: the key of each sensor, "" for the
+    source, and the sensor; `names_in_sections`: the sensors that only the MJCF has."""
+    owners = dict.fromkeys(names_in_sections, "")
     for where, sensor in sensors:
         if sensor.name in owners:
             other = owners[sensor.name] or "the source"

@@ -1,6 +1,6 @@
 """Makes the sensors and cameras that a frame or link carries."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -35,14 +35,16 @@ BOX_DIGITS = 4
 class MountedSensors:
     """A maker of sensors on frames and links, which collects their `sites` and `cameras`.
 
-    `fused`: links that are sites of other bodies; `camera_names`: the names that cameras already have."""
+    `fused`: the links that are sites on other bodies in the MJCF; `camera_places`: name of each other camera
+    → where it is defined.
+    """
 
     def __init__(
         self,
         robot: Robot,
         geometry: Geometry,
         fused: Collection[str],
-        camera_names: Collection[str],
+        camera_places: Mapping[str, str],
         log: Diagnostics,
     ) -> None:
         self.sites: list[SensorSite] = []
@@ -51,7 +53,7 @@ class MountedSensors:
         self._has_shapes = robot.mjcf is not None
         self._mounts = mounts_of(robot)
         self._are_sites = {WORLD, *fused}
-        self._camera_names = set(camera_names)
+        self._camera_places = camera_places
         self._taken = set(self._mounts)
         self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
         self._log = log
@@ -149,8 +151,8 @@ class MountedSensors:
         return self._site(name, mount, box_pose, "box", tuple(float(side) for side in high - low))
 
     def _camera(self, name: str, keys: "SensorSection", mount: Mount) -> Iterator[Sensor]:
-        if name in self._camera_names:
-            text = f"there is a camera {name!r} already, in scene.cameras"
+        if name in self._camera_places:
+            text = f"there is a camera {name!r} already, in {self._camera_places[name]}"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give this camera another name")
             return
         pose = frozen(mount.link_from_mount @ _offset(keys))

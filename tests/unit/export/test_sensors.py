@@ -20,6 +20,8 @@ from linkwright.stages.robot.model.poses import from_parts, rotation_from_quat, 
 from linkwright.stages.robot.model.robot import Frame, Limits, Primitive, Sensor, frozen
 from tests.support.building import NO_MESHES, plan_of, solid, write
 from tests.support.exports import compiled, exported, failing
+from tests.support.mjcfs import body, rebuilt, written
+from tests.support.mjcfs import model as mjcf
 from tests.support.robots import at, joint, loop, pose, robot_with
 from tests.support.states import pose_of, run, state
 from tests.support.touching import box
@@ -350,6 +352,25 @@ def test_sensor_of_the_source_keeps_its_name():
     assert "'arm_joint_pos' is there already, from the source" in message
     model = compiled(measured(robot, sensors={"imu": {"type": "imu", "frame": "mount"}}))
     assert names_of(model)[:2] == ["arm_joint_pos", "imu_gyro"]
+
+
+TENDON = """<tendon><fixed name="cable"><joint joint="lift" coef="1"/></fixed></tendon>
+<sensor><tendonpos name="imu_gyro" tendon="cable"/></sensor>"""
+
+
+@pytest.mark.parametrize(("sensor", "words"), [
+    ({"imu": {"type": "imu", "frame": "arm"}}, "'imu_gyro' is there already, from the source"),
+    ({"wrist": {"type": "camera", "frame": "arm"}}, "a camera 'wrist' already, in the source"),
+    ({"overview": {"type": "camera", "frame": "arm"}}, "a camera 'overview' already, in scene.xml"),
+])  # fmt: skip
+def test_name_that_only_the_mjcf_has_is_taken(sensor, words, tmp_path):
+    inside = '<joint name="lift" axis="0 1 0"/><camera name="wrist"/>'
+    path = written(tmp_path, mjcf(body("arm", inside, pos="0 0 1"), TENDON))
+    with pytest.raises(ExportError) as refused:
+        rebuilt(path, sensors=sensor)
+    (found,) = refused.value.problems
+    assert found.code == "E-SENSOR"
+    assert words in found.message
 
 
 if __name__ == "__main__":
