@@ -12,7 +12,7 @@ from linkwright.stages.export.stability.armatures import with_armatures
 from linkwright.stages.mujoco.trial import Trial, trial_run
 from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.robot.model.actuation import Actuation, Armature
-from linkwright.stages.robot.model.robot import Dynamics
+from linkwright.stages.robot.model.robot import Dynamics, Relation
 from linkwright.stages.validate import validate
 from tests.support.building import plan_of, robot_of, write
 from tests.support.cases import mostly_slow
@@ -149,6 +149,23 @@ def test_armature_goes_to_others_if_the_failing_joint_has_one():
     actuation, (remark,) = with_armatures(robot, Actuation(), run)
     assert {armature.dof for armature in actuation.armatures} == {dof.name for dof in robot.dofs} - {failed}
     assert remark.code == "W-ARMATURE"
+
+
+def test_armature_of_a_turn_ignores_the_mass_that_a_slide_moves():
+    """Also of a slide that has an armature: [kg] and [kg m²] cannot be compared."""
+
+    def added(dynamics):
+        slide = joint("prismatic", "base", "sled", [0.0], dynamics=dynamics)
+        turn = joint("revolute", "sled", "arm", [0.0])
+        screw = Relation("screw", slide.dofs[0].name, turn.dofs[0].name, 0.01, 0.0)
+
+        def run(_, actuation, margin):
+            return Trial("" if actuation.armatures else "unstable", margin, (turn.dofs[0].name,))
+
+        actuation, _ = with_armatures(robot_with([slide, turn], relations=[screw]), Actuation(), run)
+        return {armature.dof: armature.value for armature in actuation.armatures}
+
+    assert added(Dynamics(armature=0.1)).items() <= added(Dynamics()).items()
 
 
 def test_armature_that_does_not_help_is_not_added():
