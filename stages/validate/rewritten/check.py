@@ -34,7 +34,7 @@ def rewritten(
     `changes`: the changes by the user's own XML to files that describe the robot.
     """
     levels: tuple[CheckLevel, CheckLevel] = ("warning", "error" if current else "warning")
-    grouped = [path for path in sorted(expected) if PurePosixPath(path).suffix in GROUPED_ENDINGS]
+    grouped = [path for path in expected if PurePosixPath(path).suffix in GROUPED_ENDINGS]
     for path in sorted(expected.keys() - {*grouped}):
         weighed = [
             (difference, weight)
@@ -44,7 +44,10 @@ def rewritten(
         wrong = [difference.finding for difference, weight in weighed if weight == "error"]
         findings = (*wrong, *(difference.finding for difference, weight in weighed if weight == "warning"))
         yield _check(f"{path}: text", findings, levels[bool(wrong)], "equals what a build writes")
-    for place, paths in groupby(grouped, lambda path: str(PurePosixPath(path).parent)):
+    # In the order of paths alone, a subfolder may be between the files of its folder.
+    for place, paths in groupby(
+        sorted(grouped, key=_folder_and_path), lambda path: _folder_and_path(path)[0]
+    ):
         files = [*paths]
         findings = tuple(
             replace(difference.finding, element=named("file", PurePosixPath(path).name))
@@ -53,6 +56,10 @@ def rewritten(
         )
         detail = f"{count(len(files), 'file')} equal to the files that they are copies of"
         yield _check(f"{place}: copies", findings, levels[1], detail)
+
+
+def _folder_and_path(path: str) -> tuple[str, str]:
+    return str(PurePosixPath(path).parent), path
 
 
 def _check(name: str, findings: tuple[Finding, ...], level: CheckLevel, passed: str) -> Check:

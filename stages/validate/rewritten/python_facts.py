@@ -44,6 +44,11 @@ def _definition(
     inner, element = (*path, statement.name), named("def", statement.name)
     if isinstance(statement, ast.FunctionDef):
         yield Place((*inner, "()"), element, "arguments"), ast.unparse(statement.args)
+    elif statement.bases:
+        yield Place((*inner, "bases"), element, "bases"), tuple(map(ast.unparse, statement.bases))
+    if statement.decorator_list:
+        decorators = tuple(map(ast.unparse, statement.decorator_list))
+        yield Place((*inner, "@"), element, "decorators"), decorators
     yield from _body(statement.body, inner, element)
 
 
@@ -67,6 +72,6 @@ def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[t
 def _number(node: ast.expr) -> Value:
     try:
         value = ast.literal_eval(node)
-    except ValueError:
-        value = ()
+    except (ValueError, TypeError):
+        value = ()  # not a constant, or a set of what cannot be in a set
     return value if isinstance(value, str | float | int | bool | None) else f"`{ast.unparse(node)}`"

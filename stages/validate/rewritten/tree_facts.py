@@ -68,11 +68,14 @@ def _facts(tree: Any) -> Iterator[tuple[Place, Value]]:
     for index, (path, value) in enumerate(_values(tree, ())):
         if index == MAX_VALUES:
             raise Unparsable(f"has more than {MAX_VALUES} values")
-        first, *inner = path or ("",)
-        yield Place(path, first, " ".join(inner)), value
+        # A file that is a single value has no keys.
+        first, *inner = path or ("file",)
+        yield Place((first, *inner), first, " ".join(inner)), value
 
 
 def _values(tree: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Value]]:
+    if tree is None and not path:
+        return  # an empty file
     if isinstance(tree, Mapping):
         if not tree:
             yield path, "{}"

@@ -48,5 +48,6 @@ def _has(table: Mapping[str, str], name: str, place: str) -> bool:
 
 def _is_look(difference: Difference) -> bool:
     """Tells whether a difference is a number or a switch of RViz, or an additional display."""
-    message = difference.finding.message
-    return difference.change == "added" or '"' not in message
+    # Only texts are quoted in messages. A file that cannot be read differs as a whole, without a path.
+    is_number = bool(difference.path) and '"' not in difference.finding.message
+    return difference.change == "added" or is_number

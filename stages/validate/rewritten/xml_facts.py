@@ -46,7 +46,7 @@ def _materials(root: Element) -> list[str]:
 
 
 def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[tuple[Place, Value]]:
-    yield _within(place, "", "is there"), True
+    yield replace(place, path=(*place.path, "")), True
     for key, value in _attributes(node, materials):
         yield _within(place, f"@{key}", key), value
     children = [child for child in node if isinstance(child.tag, str)]

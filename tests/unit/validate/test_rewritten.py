@@ -46,6 +46,11 @@ OTHER = {
     "CMakeLists.txt": ("project(a)\n", "project(b)\n", ""),
     "a.mtl": ("Kd 1 0 0\n", "Kd 0 0 1\n", ""),
     "a.stl": ("solid a", "solid b", ""),
+    "empty.yaml": ("a: 1\n", "", ""),
+    "scalar.yaml": ("a: 1\n", "hello\n", ""),
+    "set.py": ("A = 1\n", "A = {[1], 2}\n", ""),
+    "base.py": ("class A(B):\n    x = 1\n", "class A(C):\n    x = 1\n", "bases"),
+    "decorated.py": ("def f():\n    pass\n", "@g\ndef f():\n    pass\n", "decorators"),
     "broken.yaml": ("a: 1\n", "a: [1\n", ""),
     "tag.yaml": ("a: 1\n", "a: !!python/object/apply:os.system [true]\n", ""),
     "broken.py": ("A = 1\n", "A = = 1\n", ""),
@@ -72,6 +77,26 @@ def test_long_row_says_only_where_it_differs():
     expected = f"joints: [{', '.join(names)}]\n".encode()
     (difference,) = differences("a.yaml", expected.replace(b"joint_29", b"joint_30"), expected)
     assert difference.finding.message == 'has "joint_30" and lacks "joint_29"'
+
+
+def test_element_that_is_missing_has_no_attribute():
+    text = b'<robot><link name="a"/></robot>'
+    (difference,) = differences("a.urdf", b"<robot/>", text)
+    assert (difference.finding.element, difference.finding.attribute) == ('link "a"', "")
+    (difference,) = differences("a.urdf", text.replace(b"/>", b"><visual/></link>", 1), text)
+    assert (difference.finding.element, difference.finding.attribute) == ('link "a"', "visual")
+
+
+def test_copies_in_a_folder_share_a_check_beside_a_subfolder(tmp_path):
+    expected = dict.fromkeys(("m/a.stl", "m/b/c.stl", "m/d.stl"), b"solid")
+    names = [check.name for check in rewritten(tmp_path, expected, copies=True, current=True)]
+    assert names == ["m: copies", "m/b: copies"]
+
+
+def test_view_of_rviz_that_cannot_be_read_is_a_fault(tmp_path):
+    (tmp_path / "a.rviz").write_text("[" * 100_000)
+    (check,) = rewritten(tmp_path, {"a.rviz": b"a: 1"}, copies=False, current=True)
+    assert check.fails
 
 
 OWN = {
