@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.mujoco.names import body_index, joint_index
@@ -113,10 +114,12 @@ class ReadUrdf(ReadCompiled):
         numbers: dict[str, float | tuple[float, ...]] = {}
         expected: Numbers = {}
         if dof.kind in ("turn", "slide"):
-            numbers["lower"], numbers["upper"] = map(float, model.jnt_range[joint_id])
             numbers["effort"] = float(model.jnt_actfrcrange[joint_id][1])
+        if dof.kind == "slide" or (dof.kind == "turn" and not np.isinf(dof.limits.interval).all()):
+            numbers["lower"], numbers["upper"] = map(float, model.jnt_range[joint_id])
         elif model.jnt_limited[joint_id]:
-            # Neither a floating joint nor the three turns of a ball may have limits.
+            # A turn without limits is continuous. It may not have limits, nor may a floating joint, nor the
+            # three turns of a ball.
             numbers["range"] = tuple(map(float, model.jnt_range[joint_id]))
             expected = {"range": (-math.inf, math.inf)}
         if dof.kind != "free":

@@ -107,6 +107,17 @@ def test_a_part_without_a_pose_is_not_hidden_by_the_next(copy, monkeypatch):
     assert [name for name in failed_of(*copy) if name.endswith("poses")] == ["robot.xml: poses"]
 
 
+def test_limits_of_a_urdf_joint_that_has_none_are_found(tmp_path, monkeypatch):
+    only_compared(monkeypatch)
+    plan = plan_of(export={"urdf": {}})
+    written = write(robots.robot_with([robots.joint("revolute", "base", "arm")]), tmp_path, plan).written
+    path = tmp_path / "robot.urdf"
+    text = path.read_text().replace('type="continuous"', 'type="revolute"')
+    path.write_text(text.replace("<limit ", '<limit lower="-1" upper="1" '))
+    failed = [check.name for check in validate(tmp_path, written, plan) if check.fails]
+    assert failed == ["robot.urdf: joints"]
+
+
 def test_what_this_mujoco_can_do_is_found_out():
     version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
     assert mujoco_features.reads_mimic() == (version >= (3, 13))
