@@ -55,7 +55,7 @@ def inertias(finished: FinishedRobot) -> Iterator[str]:
     model = finished.model
     for index, name in finished.bodies:
         a, b, c = np.sort(model.body_inertia[index])
-        if a <= 0 or a + b < c * (1 - 1e-9):
+        if not (a > 0 and a + b >= c * (1 - 1e-9)):
             yield f"the inertia of {name} is impossible for a body: {a:.3g}, {b:.3g}, {c:.3g} kg m²"
 
 

@@ -124,7 +124,7 @@ def round_trip(finished: FinishedRobot) -> Iterator[str]:
     for key in REWRITTEN_ARRAYS:
         before, after = getattr(first, key), getattr(second, key)
         difference = float(np.abs(before - after).max(initial=0.0))
-        if difference > WRITER_PRECISION * max(1.0, float(np.abs(before).max(initial=0.0))):
+        if not difference <= WRITER_PRECISION * max(1.0, float(np.abs(before).max(initial=0.0))):
             yield f"what MuJoCo writes of it is {difference:.2g} off in {key}"
 
 

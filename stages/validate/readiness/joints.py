@@ -27,14 +27,14 @@ DOWN = np.array([[0.0, 0.0, -1.0]])
 
 
 def limits(finished: FinishedRobot) -> Iterator[str]:
-    model, limits_by_name = finished.model, {dof.name: dof.limits for dof in finished.robot.dofs}
-    data = finished.home
+    model, data = finished.model, finished.home
+    dof_names = {dof.name for dof in finished.robot.dofs}
     for joint in finished.scalar_joints:
         name = finished.name_of("joint", joint)
         low, high = model.jnt_range[joint]
         value = data.qpos[model.jnt_qposadr[joint]]
         if not model.jnt_limited[joint]:
-            if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE or name not in limits_by_name:
+            if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE or name not in dof_names:
                 yield f"give {name} limits: joints: {{{name}: {{limits: [low, high]}}}}"
         elif not low - ROUNDING <= value <= high + ROUNDING:
             yield f"{name} is at {value:.4g} at home, outside its range {low:.4g} to {high:.4g}"
@@ -64,8 +64,10 @@ def controls(finished: FinishedRobot) -> Iterator[str]:
     if not joints:
         raise NotApplicable("nothing is driven")
     free = _free(finished)
-    if len({joint for _, joint in joints}) != free:
-        yield f"{count(len(joints), 'joint')} of {free} independent ones are driven: actuators"
+    # Two actuators may drive the same joint.
+    driven_joints = {joint for _, joint in joints}
+    if len(driven_joints) != free:
+        yield f"actuators drive {count(len(driven_joints), 'joint')}, but {free} are independent: actuators"
     for index, joint in joints:
         name = finished.name_of("joint", joint)
         servo = model.actuator_biasprm[index, 1] < 0
@@ -112,7 +114,7 @@ def keyframe(finished: FinishedRobot) -> Iterator[str]:
     for joint in range(model.njnt):
         if model.jnt_type[joint] == FREE or model.jnt_type[joint] == BALL:
             first = int(model.jnt_qposadr[joint]) + (3 if model.jnt_type[joint] == FREE else 0)
-            if abs(np.linalg.norm(model.key_qpos[key][first : first + 4]) - 1) > ROUNDING:
+            if not abs(np.linalg.norm(model.key_qpos[key][first : first + 4]) - 1) <= ROUNDING:
                 yield f"normalise the quaternion of {finished.name_of('joint', joint)} at home"
     low, high = model.actuator_ctrlrange.T
     control = model.key_ctrl[key]
@@ -132,7 +134,7 @@ def base_placement(finished: FinishedRobot) -> Iterator[str]:
     if not free:
         yield "the base floats in the source, and is fixed here"
     yield from ("name the free joint" for joint in free if not finished.name_of("joint", joint))
-    ground = _ground(model)
+    ground = ground_height(model)
     if ground is None:
         raise NotApplicable("there is no flat ground")
     lowest = min(
@@ -145,12 +147,13 @@ def base_placement(finished: FinishedRobot) -> Iterator[str]:
         yield f"the lowest collider is {1e3 * (lowest - ground):.3g} mm above the ground at home: scene.pose"
 
 
-def _ground(model: Any) -> float | None:
-    """Returns the height of a level plane in the world [m]; None without such a plane."""
+def ground_height(model: Any) -> float | None:
+    """Returns the height [m] of the world's first level plane; None without such a plane."""
     for geom in range(model.ngeom):
-        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and not model.geom_bodyid[geom]:
-            level = abs(model.geom_quat[geom][1]) + abs(model.geom_quat[geom][2]) < ROUNDING
-            return float(model.geom_pos[geom][2]) if level else None
+        is_plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE and not model.geom_bodyid[geom]
+        # A turn about z keeps a plane level: x and y of its quaternion are 0.
+        if is_plane and abs(model.geom_quat[geom][1]) + abs(model.geom_quat[geom][2]) < ROUNDING:
+            return float(model.geom_pos[geom][2])
     return None
 
 

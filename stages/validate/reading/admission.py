@@ -62,7 +62,8 @@ def admitted(place: Path) -> Sizes:
     sizes, visited = Sizes(), set[Path]()
     for path in _files(place):
         _admit(path, sizes, visited, path.name)
-    models = [path for path in visited if path.suffix.lower() in MODELS]
+    # In order, so that of several faults always the same one is reported.
+    models = sorted((path for path in visited if path.suffix.lower() in MODELS), reverse=True)
     pixels = 0
     while models:
         model = models.pop()
