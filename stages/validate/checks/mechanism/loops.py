@@ -131,7 +131,11 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
             q[relation.follower] = relation.multiplier * driver + relation.offset
         set_values(model, data, robot, q, urdf=True)
         poses = {link.name: link_pose(model, data, robot, link.name) for link in robot.links}
-        worst, worst_loop = max((worst, worst_loop), *((gap(loop, poses), loop.name) for loop in closed))
+        for loop in closed:
+            loop_gap = gap(loop, poses)
+            # A gap of NaN is the worst, and stays it.
+            if not loop_gap <= worst:
+                worst, worst_loop = loop_gap, loop.name
     allowed = max(MAX_CLOSED_GAP, *(2 * loop.residual for loop in closed))
     detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {worst_loop}"
     findings = [
