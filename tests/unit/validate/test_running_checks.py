@@ -229,6 +229,16 @@ def test_servo_that_is_too_weak_is_a_warning():
     assert verdict.findings[0].element == 'actuator "servo"'
 
 
+def test_actuator_of_a_tendon_does_not_hold_the_joint_of_its_number():
+    other = '<body name="other" pos="0 3 2"><joint name="slack"/><geom size=".1"/></body>'
+    more = '<tendon><fixed name="rope"><joint joint="slack" coef="1"/></fixed></tendon>'
+    more += '<actuator><motor name="winch" tendon="rope"/></actuator>'
+    more += '<keyframe><key name="home" qpos="1 0"/></keyframe>'
+    robot = robot_with([joint("revolute", "base", "bob")])
+    verdict = only(rest.check(world_of(pendulum() + other, robot, more=more)), "rests at home")
+    assert {finding.element for finding in verdict.findings} == {'joint "swing"'}
+
+
 @pytest.mark.parametrize("ground", [True, False])
 def test_undriven_joint_and_falling_base_are_warnings(ground):
     """A base can stand only where something carries it: without a ground it floats in space."""

@@ -28,6 +28,9 @@ weight."""
 MAX_SPEED = 0.1
 """Largest speed [rad/s, m/s] of a robot at rest, at the end of the run."""
 
+JOINT_TRANSMISSIONS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+"""Kinds of transmission of the actuators that drive a joint directly."""
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Runs models with actuators."""
@@ -105,7 +108,9 @@ def _motions(model: Any, data: Any, start: Any, joint: int) -> Iterator[tuple[fl
 
 def _finding(model: Any, joint: int, words: str) -> Finding:
     name = model.joint(joint).name
-    drives = np.flatnonzero(model.actuator_trnid[:, 0] == joint).tolist()
+    # The number of a target is that of a joint only for some kinds of transmission.
+    on_joint = np.isin(model.actuator_trntype, JOINT_TRANSMISSIONS)
+    drives = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
     if model.jnt_type[joint] == FREE:
         return Finding(
             named_joint(model, joint), "", f"the base {words}: it does not stand at home by itself"
