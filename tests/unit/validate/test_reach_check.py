@@ -1,6 +1,7 @@
 """Joints swept over their ranges: which links meet, where, and how deep, in closed form."""
 
 import math
+import re
 from itertools import pairwise
 
 import mujoco
@@ -143,3 +144,12 @@ def test_values_increase_from_home_outwards():
     rows, _ = meetings(ball_and_post(0.5))
     ((_, _, _, first, deepest, _),) = rows
     assert all(angle <= other for angle, other in pairwise([0.0, first, deepest]))
+
+
+def test_value_outside_a_narrow_range_takes_no_more_steps():
+    """Of a file whose range is not the robot's; else the steps would be as many as the range is narrow."""
+    ranged = 'range="0.1 0.1001" limited="true"'
+    apart = ball_and_post(END + 2 * math.asin(RADIUS / LONG) + 0.2, post=ranged)
+    (check,) = reach.check(compiled_of(apart, TWO))
+    (poses,) = map(int, re.findall(r"(\d+) poses", check.detail))
+    assert poses <= 4 * reach.STEPS

@@ -136,7 +136,8 @@ def _sweep(
     collisions: CollisionsByEnd = {}
     value = start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
-    step = max(high - low, 1e-12) / steps
+    # From a value outside the range it is farther to an end than the range is wide.
+    step = max(high - low, high - value, value - low, 1e-12) / steps
     pose_count = 0
     for end in (low, high):
         pose = start
