@@ -6,6 +6,7 @@ import mujoco
 import pytest
 
 from linkwright.stages.robot.motion.start_pose import home
+from linkwright.stages.validate.checks.contact import contact_filter
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
 from tests.support.exports import compiled, exported
@@ -133,3 +134,17 @@ def test_pair_that_touches_and_is_not_reported_fails(tmp_path):
     assert in_mujoco(compiled(exported(robot, geometry)), robot, home(robot)) == {("left", "right")}
     (said, *_) = failures(robot, replace(geometry, touching=()), tmp_path)
     assert said == "touching at home: left and right, which was not reported"
+
+
+def test_mix_of_geoms_without_a_share():
+    """As MuJoCo mixes them: two geoms whose `solmix` is 0 have equal shares."""
+    balls = "".join(
+        f'<body name="{name}"><freejoint/><geom size=".1" solmix="0" solref="{time} 1"/></body>'
+        for name, time in (("a", 0.02), ("b", 0.04))
+    )
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{balls}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mixed = contact_filter._mixed(model, 0, 1)
+    assert mixed["solref"] == pytest.approx(data.contact[0].solref)
+    assert mixed["solimp"] == pytest.approx(data.contact[0].solimp)

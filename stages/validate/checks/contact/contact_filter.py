@@ -146,7 +146,9 @@ def _mixed(model: Any, first: int, second: int) -> dict[str, npt.NDArray[np.floa
     priority = model.geom_priority[geoms]
     if priority[0] != priority[1]:
         geoms = [geoms[int(priority.argmax())]]
-    share = model.geom_solmix[geoms] / model.geom_solmix[geoms].sum()
+    solmix = model.geom_solmix[geoms]
+    # As in MuJoCo: geoms that are both without a share have equal shares.
+    share = solmix / solmix.sum() if solmix.sum() > 0.0 else np.full(len(geoms), 1.0 / len(geoms))
     solref = model.geom_solref[geoms]
     mean = (share[:, None] * solref).sum(axis=0)
     return {
