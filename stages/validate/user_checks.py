@@ -65,8 +65,9 @@ def _refusal(value: object) -> str:
 
 
 def _place(error: Exception) -> str:
-    """Returns the innermost line of the user's own code that an error came from."""
-    this_file = Path(__file__).name
+    """Returns the innermost line outside this module that an error came from, as a text; "" if the user's
+    code was not reached."""
     stack = traceback.extract_tb(error.__traceback__)
-    frames = [frame for frame in stack if Path(frame.filename).name != this_file]
+    # The user's file may have the same name as this file, but not the same path.
+    frames = [frame for frame in stack if frame.filename != __file__]
     return f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""

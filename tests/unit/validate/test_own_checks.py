@@ -66,6 +66,15 @@ def test_error_is_one_message_with_its_place():
     assert "TypeError" in other.detail
 
 
+def test_error_in_a_file_called_like_ours_has_its_place(tmp_path):
+    file = tmp_path / "user_checks.py"
+    file.write_text("def heavy(compiled):\n    raise ValueError('too heavy')\n")
+    names = {}
+    exec(compile(file.read_text(), str(file), "exec"), names)
+    (check,) = results(names["heavy"], "user_checks.heavy")
+    assert check.detail.endswith("too heavy (user_checks.py, line 2)")
+
+
 @pytest.mark.parametrize("gives", [None, "text", 3, [1]])
 def test_what_is_no_check_is_said(gives):
     (check,) = results(lambda compiled: gives)
