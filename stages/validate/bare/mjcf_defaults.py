@@ -7,7 +7,8 @@ from linkwright.stages.formats.xml import Element
 _SHORTHANDS = frozenset(
     ("motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor")
 )
-"""Elements that are shorthands for <general>: its defaults apply to those that have none."""
+"""Elements that are shorthands for <general>. A class has a single set of defaults for all of these and
+<general>: MuJoCo applies those of <motor> to a <position>, too."""
 
 
 class Defaults:
@@ -22,9 +23,7 @@ class Defaults:
         """Returns the attributes of an element, which override those of its class."""
         name = element.get("class") or self._childclass(element) or "main"
         by_tag = self._by_class.get(name) or self._by_class.get("main", {})
-        tag = str(element.tag)
-        below = by_tag.get(tag) or (by_tag.get("general", {}) if tag in _SHORTHANDS else {})
-        return {**below, **element.attrib}
+        return {**by_tag.get(_default_tag(element), {}), **element.attrib}
 
     def _childclass(self, element: Element) -> str:
         for above in element.iterancestors():
@@ -37,7 +36,14 @@ class Defaults:
         by_tag = {tag: dict(values) for tag, values in self._by_class.get(name, above).items()}
         for child in default:
             if child.tag != "default":
-                by_tag[str(child.tag)] = {**by_tag.get(str(child.tag), {}), **child.attrib}
+                tag = _default_tag(child)
+                by_tag[tag] = {**by_tag.get(tag, {}), **child.attrib}
         self._by_class[name] = by_tag
         for child in default.iterfind("default"):
             self._read(child, by_tag, "")
+
+
+def _default_tag(element: Element) -> str:
+    """Returns the tag under which the defaults of an element are kept."""
+    tag = str(element.tag)
+    return "general" if tag in _SHORTHANDS else tag

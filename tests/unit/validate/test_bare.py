@@ -284,6 +284,7 @@ FIXED = '<joint name="{0}" type="fixed"><parent link="lower"/><child link="{0}"/
 BOX = '<visual><geometry><box size=".001 .001 .001"/></geometry></visual>'
 TOOL = f'<link name="tool">{SOLID.format("1e-9", i="0")}</link>{FIXED.format("tool")}'
 LIMITS = 'lower="-1.5" upper="1.5"'
+DRIVE = '<actuator><position name="shoulder" joint="shoulder" kp="20"'
 
 
 def marked(mass, moment="1e-4"):
@@ -300,6 +301,9 @@ HARMLESS = {
     ),
     "room for contacts, of gigabytes": (
         "arm.xml", "<asset>", '<size njmax="8000" nconmax="4000"/><asset>'),
+    "a range that another shorthand's defaults give": (
+        "arm.xml", f"{DRIVE} ctrlrange=\"-1.5 1.5\"/></actuator>",
+        f'{DRIVE}/></actuator><default><motor ctrlrange="-1.5 1.5"/></default>'),
     "limits that mean no limit": ("arm.urdf", LIMITS, 'lower="-10" upper="10"'),
     "huge limits": ("arm.urdf", LIMITS, 'lower="-1e16" upper="1e16"'),
     "a frame without a body": ("arm.urdf", "</robot>", TOOL),
