@@ -17,9 +17,7 @@ from tests.unit.export.test_urdf_mimic import parallelogram
 @pytest.fixture
 def built(tmp_path):
     """A free base with two arms, and a site on each."""
-    robot = robot_with(
-        [joint("revolute", "base", "first"), joint("revolute", "base", "second")], fixed=False
-    )
+    robot = robot_with([joint("revolute", "base", "first"), joint("revolute", "base", "second")], fixed=False)
     sites = {name: {"type": "imu", "frame": name} for name in ("first", "second")}
     exported = write(robot, tmp_path, plan_of(sensors=sites))
     path = tmp_path / "robot.xml"

@@ -87,8 +87,8 @@ def _report_two_levels(pattern: Pattern, support: Support, log: Diagnostics) -> 
         "outside: the copies use the mate inside"
     )
     hint = (
-        "FASTEN the seed to the part that carries it; or pattern the parts that it carries, too; or make the "
-        "sub-assembly rigid (depth.rigid)"
+        "in the sub-assembly, FASTEN the seed to the part that carries it; or pattern the parts that the "
+        "seed carries, too; or mate the copies themselves; or make the sub-assembly rigid (depth.rigid)"
     )
     log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
 

@@ -130,6 +130,21 @@ def test_mates_of_a_seed_inside_go_before_those_from_above(kit, inside, reported
         assert [word for word in ("Module <1>/Inside", "Step", "depth.rigid") if word not in text] == []
 
 
+@pytest.mark.parametrize("remedy", ["none", "pattern what it carries", "mate the copy"])
+def test_remedies_of_a_seed_that_is_held_on_two_levels(kit, remedy):
+    sub = kit.document.assembly("Module")
+    carried, foot = kit.place("Carried", sub), kit.place("Foot", sub)
+    sub.revolute("Inside", (foot, TOP), (carried, SIDE))
+    seeds = [foot, carried] if remedy == "pattern what it carries" else [foot]
+    (copies_of_foot, *_) = sub.pattern("Feet", seeds, [frame((0.2, 0, 0))])
+    if remedy == "mate the copy":
+        sub.revolute("Own", (copies_of_foot[0], TOP), (carried, frame((0.2, 0, 0))), closing=True)
+    base = kit.place("Base", fixed=True)
+    kit.root.revolute("Step", (kit.root.add(sub) / foot, TOP), (base, TOP))
+    _, log = drawn(kit)
+    assert len(notes(log, "W-PATTERN-LEVEL")) == (remedy == "none")
+
+
 @pytest.mark.parametrize("how", ["mate", "group", "through another seed"])
 def test_a_fastened_seed_with_a_joint_leaves_loops_moving(kit, how):
     """A four-bar whose rocker turns on a bracket that is fastened to the base: the pattern repeats the
