@@ -39,7 +39,7 @@ def entries_of(
             hint = no_match_hint(
                 glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in name_groups]}
             )
-            log.unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
+            log.report_unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
     return iter(indices_by_thing)
 
 

@@ -199,7 +199,7 @@ def _frames(
     for glob in include:
         if not any(matches_glob(marker.name, glob) for marker in mechanism.markers):
             hint = no_match_hint(glob, {"frames": [marker.name for marker in mechanism.markers]})
-            log.unmatched("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint, glob)
+            log.report_unmatched("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint, glob)
     frames = [
         Frame(
             marker.name,

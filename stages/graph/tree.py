@@ -99,7 +99,7 @@ def _by_rank(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> li
             hint = no_match_hint(
                 glob, {"mates that move": [connection.name for connection in mechanism.connections]}
             )
-            log.unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
+            log.report_unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
 
     def sort_key(connection: Connection) -> tuple[object, ...]:
         return (

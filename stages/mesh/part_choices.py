@@ -118,7 +118,7 @@ def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link],
             continue
         parts = {without_number(part.name.rpartition("/")[2]) for link in links for part in link.parts}
         hint = no_match_hint(glob, {"links": [link.name for link in links], "parts": sorted(parts)})
-        log.unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)
+        log.report_unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)
 
 
 def _with_part_maker(

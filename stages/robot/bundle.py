@@ -1,4 +1,4 @@
-"""Describes a bundle: the raw replies that a build reads, pinned and named by their requests."""
+"""Describes a bundle: the raw replies or files that a build reads, named by their requests."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,15 +9,16 @@ from linkwright.stages.robot.errors import ProtocolError
 
 @dataclass(frozen=True, slots=True, order=True)
 class ElementKey:
-    """A part studio or an assembly in a configuration, pinned.
-
-    `pin` is `v/<version>` if the document is linked by version, else `m/<microversion>`.
-    """
+    """A part studio or an assembly, in a configuration and at a fixed state of its document."""
 
     document: str
+    """Id of the document."""
     pin: str
+    """State of the document: `v/<version>` if it is linked by version, else `m/<microversion>`."""
     element: str
+    """Id of the tab."""
     configuration: str
+    """Configuration in Onshape's text, or "default"."""
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> "ElementKey":
@@ -30,18 +31,19 @@ class ElementKey:
 
 @dataclass(frozen=True, slots=True)
 class Studio:
-    """The replies about a part studio, by digest."""
+    """The digests of the replies about a part studio."""
 
     key: ElementKey
     mass: tuple[str, ...]
     """Mass properties: one reply for all parts or, in recorded data, one reply for each part."""
     tessellation: str | None
-    """The triangles; None if none were recorded."""
+    """The triangles; None if they were not recorded."""
 
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """The replies about the limits of an assembly's mates, by digest, if the definition lacks them."""
+    """The digests of the replies about the limits of an assembly's mates, for a definition that lacks
+    limits."""
 
     key: ElementKey
     """The assembly."""
@@ -54,9 +56,10 @@ class Features:
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Raw replies or files, byte for byte, as all kinds of bundles contain them."""
+    """Raw replies or files, byte for byte: the fields that all kinds of bundles have."""
 
     kind: str
+    """The kind of the source."""
     root: Mapping[str, str]
     """The robot: `document`, `microversion`, `element`, `configuration`."""
     definition: str
@@ -77,7 +80,7 @@ class Bundle:
 
 @dataclass(frozen=True, slots=True)
 class OnshapeBundle(Bundle):
-    """The replies about an Onshape assembly. `requests` are pinned to a version or microversion."""
+    """The replies about an Onshape assembly. Its `requests` name a version or microversion."""
 
     api: str
     """Version of the API that was used."""
@@ -85,7 +88,7 @@ class OnshapeBundle(Bundle):
     features: tuple[Features, ...] = ()
     """Empty if the definition gives all limits."""
     definition_api: str = ""
-    """Version of the API of the definition; "" if it is `api`."""
+    """Version of the API by which the definition was read; "" if it is `api`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,4 +96,4 @@ class FileBundle(Bundle):
     """A robot's own file and its meshes."""
 
     options: Mapping[str, str] = field(default_factory=dict)
-    """Options of the source that concern its reader (`bad_inertia`)."""
+    """Options of the source that its reader needs (`bad_inertia`)."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 CheckLevel = Literal["error", "warning"]
-"""The meaning of a check that does not pass: error: the robot is wrong; warning: it could be better."""
+"""The level of a check that does not pass. error: the robot is wrong; warning: it could be better."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,15 +12,16 @@ class Finding:
     """A fault that a check finds in a file."""
 
     element: str
-    """An element of the file, by tag and name, as `joint "elbow"`."""
+    """The tag and name of an element of the file, such as `joint "elbow"`."""
     attribute: str
     """An attribute of the element; "" for the element as a whole."""
     message: str
+    """The fault in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The results of a check, row by row, whether it passes or not."""
+    """The results of a check, row by row. Checks that pass have tables too."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str | float | None, ...], ...]
@@ -38,19 +39,19 @@ class Check:
     limit: float | None = None
     """Limit of the value, in the same unit; None if the check has no number."""
     code: str = ""
-    """Its row of `stages/CHECKS.md`."""
+    """The code of the check in `stages/CHECKS.md`; "" without a code."""
     level: CheckLevel = "error"
     findings: tuple[Finding, ...] = ()
-    """The faults if it does not pass, the worst first."""
+    """The faults if the check does not pass, the worst first."""
     table: Table | None = None
-    """Its other results."""
+    """Further results; None without a table."""
 
     @property
     def fails(self) -> bool:
-        """Whether it proves the robot wrong."""
+        """Whether the check proves the robot wrong."""
         return not self.passed and self.level == "error"
 
     @property
     def warns(self) -> bool:
-        """Whether it says that something could be better."""
+        """Whether the check says that something could be better."""
         return not self.passed and self.level == "warning"

@@ -17,13 +17,16 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.geometry import Geometry
 
-if TYPE_CHECKING:  # numpy comes with the model, and a fully cached build needs neither
+if TYPE_CHECKING:  # the model imports numpy, and a fully cached build needs neither
     from linkwright.stages.robot.model.robot import Robot
 
 T = TypeVar("T")
 
 ASSETS = "assets/"
+"""Folder of the meshes of a geometry."""
+
 REPLIES = "replies/"
+"""Folder of the replies of a bundle."""
 
 
 def dump(value: object) -> bytes:
@@ -52,7 +55,7 @@ def plain_data(value: Any) -> Any:
 
 
 def _model() -> Any:
-    # Late: it imports numpy, and a cached build reads values without an array.
+    # Late: the model imports numpy, and a cached build reads only values without arrays.
     from linkwright.stages.robot.model import robot
 
     return robot
@@ -60,8 +63,8 @@ def _model() -> Any:
 
 @functools.cache
 def field_types_of(kind: type) -> dict[str, Any]:
-    """Returns the types of a dataclass's fields. A module that must not import numpy names the model's
-    classes for the type checker alone: those are looked up in the model."""
+    """Returns the types of a dataclass's fields, by name. A module that must not import numpy imports the
+    model's classes for the type checker alone; their names are then looked up in the model."""
     try:
         return get_type_hints(kind)
     except NameError:
@@ -69,16 +72,17 @@ def field_types_of(kind: type) -> dict[str, Any]:
 
 
 def typed(kind: Any, data: Any) -> Any:
-    """Returns `data` from JSON as the annotated type `kind`."""
+    """Returns the value of the annotated type `kind` from the plain data that JSON holds. Fields that the
+    data lacks have their defaults."""
     if isinstance(kind, type) and is_dataclass(kind):
         field_types = field_types_of(kind)
         return kind(**{key: typed(field_types[key], item) for key, item in data.items()})
     origin = get_origin(kind)
     if origin is tuple:
-        items = get_args(kind)
-        if items[-1] is Ellipsis:
-            return tuple(typed(items[0], item) for item in data)
-        return tuple(typed(item_kind, item) for item_kind, item in zip(items, data, strict=True))
+        item_kinds = get_args(kind)
+        if item_kinds[-1] is Ellipsis:
+            return tuple(typed(item_kinds[0], item) for item in data)
+        return tuple(typed(item_kind, item) for item_kind, item in zip(item_kinds, data, strict=True))
     if origin in (Union, types.UnionType):
         return None if data is None else typed(_option(kind, data), data)
     if origin is Literal or kind in (str, int, bool):
@@ -89,12 +93,14 @@ def typed(kind: Any, data: Any) -> Any:
         return typed(_unaliased(kind), data)
     if origin is not None and issubclass(origin, Mapping):
         return data
-    # An array's type is that of its shape and, with its numbers, that of its entries.
-    return _model().frozen(data, *(number for entries in get_args(kind)[-1:] for number in get_args(entries)))
+    # The type is numpy's ndarray[shape, dtype[number]]; without arguments the numbers are float64.
+    dtypes = get_args(kind)[-1:]
+    numbers = get_args(dtypes[0]) if dtypes else ()
+    return _model().frozen(data, *numbers)
 
 
 def _is_alias(kind: Any) -> bool:
-    """Returns whether the type is a `type` alias, bare or with arguments: NDArray is one from numpy 2.5
+    """Returns whether the type is a `type` alias, bare or with arguments, such as NDArray from numpy 2.5
     on."""
     return hasattr(get_origin(kind) or kind, "__value__")
 
@@ -103,14 +109,14 @@ def _unaliased(kind: Any) -> Any:
     """Returns the type behind a `type` alias; any other type unchanged."""
     while _is_alias(kind):
         arguments = get_args(kind)
-        meant = (get_origin(kind) or kind).__value__
-        kind = meant[arguments] if arguments else meant
+        value = (get_origin(kind) or kind).__value__
+        kind = value[arguments] if arguments else value
     return kind
 
 
 def _option(kind: Any, data: Any) -> Any:
-    """Returns the member of a union to which `data` belongs: a list to the tuple, where there is a choice,
-    and a mapping to the dataclass with those fields."""
+    """Returns the member of a union to which `data` belongs. If there are several, a mapping belongs to the
+    first dataclass that has its fields, and a list to the tuple."""
     options = [_unaliased(option) for option in get_args(kind) if option is not types.NoneType]
     if len(options) == 1:
         return options[0]
@@ -121,7 +127,7 @@ def _option(kind: Any, data: Any) -> Any:
 
 
 def encode_robot(robot: "Robot") -> bytes:
-    """Returns the robot as JSON."""
+    """Returns a robot as JSON."""
     return dump(robot)
 
 
@@ -132,14 +138,15 @@ def decode_robot(data: bytes) -> "Robot":
 
 
 def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
-    """Returns `geometry.json` and one file per mesh."""
+    """Returns the files of a geometry by path: `geometry.json` and a file for each entry of its `files`."""
     table = {name: getattr(geometry, name) for name in field_types_of(Geometry) if name != "files"}
     files = {ASSETS + name: data for name, data in geometry.files.items()}
     return {"geometry.json": dump(table), **files}
 
 
 def decode_geometry(files: Mapping[str, bytes], meshes: bool = True) -> Geometry:
-    """Returns the geometry; without `meshes` its files are not read, and it has none."""
+    """Returns the geometry that `encode_geometry` wrote; without `meshes` it has no files, and they are not
+    read."""
     table = orjson.loads(files["geometry.json"])
     field_types = field_types_of(Geometry)
     names = [name for name in files if meshes and name.startswith(ASSETS)]
@@ -150,7 +157,7 @@ def decode_geometry(files: Mapping[str, bytes], meshes: bool = True) -> Geometry
 
 
 def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
-    """Returns `manifest.json` and one file per reply."""
+    """Returns the files of a bundle by path: `manifest.json` and a file for each reply."""
     names = [field.name for field in fields(bundle) if field.name != "blobs"]
     manifest = {name: getattr(bundle, name) for name in names}
     return {
@@ -160,7 +167,7 @@ def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
 
 
 def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
-    """Returns the bundle; `blobs` reads a file only when asked, where `files` does."""
+    """Returns the bundle that `encode_bundle` wrote. A reply is taken from `files` only when it is used."""
     manifest = orjson.loads(files["manifest.json"])
     kind = OnshapeBundle if "studios" in manifest else FileBundle
     field_types = field_types_of(kind)
@@ -169,7 +176,7 @@ def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
 
 
 class Blobs(Mapping[str, bytes]):
-    """The replies among `files`, by digest."""
+    """The replies of a bundle by digest, as a view of its files by path."""
 
     def __init__(self, files: Mapping[str, bytes]) -> None:
         self._files = files
@@ -185,7 +192,7 @@ class Blobs(Mapping[str, bytes]):
 
 
 def encode_checks(checks: tuple[Check, ...]) -> bytes:
-    """Returns the checks as JSON."""
+    """Returns checks as JSON."""
     return dump(checks)
 
 

@@ -8,8 +8,8 @@ LinkwrightError(message, where, hint)
 ├── ExportError
 └── ValidationFailed
 
-An error has a `message`, a place (`where`: a key, a file, a CAD path) and a `hint` (what to do). A finding of
-a stage is a `Diagnostic`: the first letter of its code is its level.
+An error has a `message`, a place (`where`: a key, a file or a CAD path) and a `hint` (what to do). A stage
+reports a `Diagnostic` for each thing that it notices; the first letter of its code is its level.
 """
 
 from collections.abc import Iterable
@@ -20,25 +20,26 @@ from linkwright.stages.robot.text.printable import sentence
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """A finding about the source, with a stable code.
-
-    `code` starts with its level: `E-` (the robot cannot be built), `W-` (built, but look at it)
-    or `I-` (built as asked; worth knowing).
-    """
+    """A finding of a stage, with a stable code."""
 
     code: str
+    """The code, which starts with the level: `E-` (the robot cannot be built), `W-` (it was built, but look
+    at it) or `I-` (it was built as asked, and this is worth knowing)."""
     message: str
     where: str = ""
+    """The place: a key, a file or a CAD path; "" without a place."""
     hint: str = ""
+    """What to do; "" without a hint."""
 
     @property
     def level(self) -> str:
-        """The level that the first letter of the code means: error, warning or info."""
+        """The level of the code: "error", "warning" or "info"."""
         return {"E": "error", "W": "warning", "I": "info"}[self.code[0]]
 
 
 class LinkwrightError(Exception):
-    """An error that a user can act on; the command line prints it in one message."""
+    """An error that a user can act on. `problems` are the findings that led to it, printed below the
+    message."""
 
     def __init__(
         self,
@@ -54,7 +55,7 @@ class LinkwrightError(Exception):
         self.problems = tuple(problems)
 
     def __reduce__(self) -> tuple[object, ...]:
-        # Exceptions cross process borders in sweeps; the default would lose `problems`.
+        # Sweeps pass exceptions between processes; by default pickling would lose `problems`.
         return type(self), (self.message, self.where, self.hint, self.problems)
 
     def __str__(self) -> str:
@@ -82,7 +83,7 @@ class AuthError(SourceError):
 
 
 class NotFound(SourceError):
-    """An error of an address at which there is nothing for this key (404)."""
+    """An error of an address where there is nothing that the API key may read (404)."""
 
 
 class QuotaExhausted(SourceError):
@@ -90,7 +91,7 @@ class QuotaExhausted(SourceError):
 
 
 class RateLimited(SourceError):
-    """An error of too many calls in a period (429)."""
+    """An error of too many calls in a short time (429)."""
 
 
 class ProtocolError(SourceError):
@@ -106,7 +107,7 @@ class AssemblyError(LinkwrightError):
 
 
 class NoRoot(AssemblyError):
-    """An error of the choice of the root link."""
+    """An error of an assembly whose root link cannot be chosen."""
 
 
 class Disconnected(AssemblyError):

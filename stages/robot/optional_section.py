@@ -1,4 +1,5 @@
-"""Lists globs that may match nothing: those of a preset, which several robots share."""
+"""Defines the key `optional`, and lists the globs of a configuration. The globs of presets, which several
+robots share, may match nothing."""
 
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
@@ -44,7 +45,7 @@ class OptionalSection(Section):
 
 
 def globs_of(tree: Mapping[str, Any], key: str) -> Iterator[str]:
-    """The globs that a key of a configuration, or of a part of it, holds."""
+    """Yields the globs of a key, such as "names.links", in a configuration or in a part of one."""
     value: Any = tree
     for name in key.split("."):
         value = value.get(name) if isinstance(value, Mapping) else None
@@ -53,25 +54,25 @@ def globs_of(tree: Mapping[str, Any], key: str) -> Iterator[str]:
     if key == "keyframes":
         value = [glob for keyframe in _mappings(value) for glob in keyframe]
     if key == "variants.ranges" and isinstance(value, str):
-        return  # a word in place of globs
+        return  # a word, and not a mapping by globs
     yield from _texts(value)
 
 
 def all_globs(tree: Mapping[str, Any]) -> dict[str, list[str]]:
-    """The globs that each key of a configuration, or of a part of it, holds; keys without globs are left
-    out."""
+    """Returns the globs of each key of a configuration, or of a part of one, without repetition; keys without
+    globs are left out."""
     globs_by_key = {key: list(dict.fromkeys(globs_of(tree, key))) for key in GLOB_KEYS}
     return {key: globs for key, globs in globs_by_key.items() if globs}
 
 
 def _mappings(value: Any) -> Iterator[Mapping[str, Any]]:
-    """The values of a mapping that are mappings."""
+    """Yields the values of a mapping that are mappings."""
     values = value.values() if isinstance(value, Mapping) else ()
     yield from (inner for inner in values if isinstance(inner, Mapping))
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """The keys of a mapping, or the texts of a list and of the lists in it."""
+    """Yields a text, the keys of a mapping that are texts, or the texts of a list and of the lists in it."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping | list | tuple):

@@ -18,35 +18,36 @@ from pydantic import (
 from linkwright.stages.robot.section import invalid
 from linkwright.stages.robot.text.units import SI, UNITS, Measure
 
-if TYPE_CHECKING:  # numpy comes with it
+if TYPE_CHECKING:  # the model imports numpy
     from linkwright.stages.robot.model.dofs import DofKind
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
 
 EXAMPLES = {"length": "25 mm", "angle": "-90 deg"}
 """A text of each measure, for messages."""
 
-_NAMED = {"length": "nm, um, mm, cm, m, in, ft, ...", "angle": "deg, rad, rev"}
+_UNIT_NAMES = {"length": "nm, um, mm, cm, m, in, ft, ...", "angle": "deg, rad, rev"}
 
 
 class TypedNumber(float):
-    """A number in SI that was typed with a unit."""
+    """A number in SI that the user typed with a unit."""
 
     measure: Measure
     """What the unit measures."""
     typed: str
-    """The text."""
+    """The text that the user typed."""
 
 
 def quantity(text: str, *measures: Measure) -> TypedNumber:
-    """Returns a text of a number and a unit of one of the measures, in SI; an error for any other text."""
-    shown = " or ".join(f"{EXAMPLES[measure]!r}" for measure in measures)
+    """Returns the number in SI of a text such as "25 mm". Raises the error of `section.invalid` for a text
+    that is not a finite number with a unit of one of the measures."""
+    examples = " or ".join(f"{EXAMPLES[measure]!r}" for measure in measures)
     kinds = " or ".join(f"{'an' if measure == 'angle' else 'a'} {measure}" for measure in measures)
     expected = (
-        f"must be a number in {' or '.join(SI[measure] for measure in measures)}, or {kinds} as {shown}"
+        f"must be a number in {' or '.join(SI[measure] for measure in measures)}, or {kinds} as {examples}"
     )
-    match = _TYPED.fullmatch(text)
+    match = _QUANTITY.fullmatch(text)
     if match is None:
         raise invalid(expected)
     number, unit = match.groups()
@@ -56,7 +57,7 @@ def quantity(text: str, *measures: Measure) -> TypedNumber:
         raise invalid(expected if as_text else f"{expected}: without quotes, or with a unit")
     unit_entry = UNITS.get(unit)
     if unit_entry is None or unit_entry[1] not in measures:
-        names = "; ".join(_NAMED[measure] for measure in measures)
+        names = "; ".join(_UNIT_NAMES[measure] for measure in measures)
         is_what = "unknown" if unit_entry is None else f"a unit of {unit_entry[1]}"
         raise invalid(f"{expected}: {unit!r} is {is_what}; units are {names}")
     typed_number = TypedNumber(float(number) * unit_entry[0])
@@ -90,6 +91,7 @@ def _typed_text(value: float | None) -> float | str | None:
 
 
 Typed = float | str
+"""The types that a key accepts: a number, or a text with a unit."""
 
 Length = Annotated[float, Strict(), BeforeValidator(_length, json_schema_input_type=Typed)]
 """A length [m]."""
@@ -106,7 +108,8 @@ Coordinate = Annotated[
     WrapValidator(_coordinate, json_schema_input_type=Typed),
     PlainSerializer(_typed_text, return_type=float | str),
 ]
-"""A value of a joint [rad or m], whose kind only the robot tells: a `TypedNumber` keeps the typed text."""
+"""A value of a joint [rad or m]. Only the robot tells which of the two, so a `TypedNumber` keeps the typed
+text until then."""
 
 PositiveLength = Annotated[Length, Field(gt=0)]
 NonNegativeLength = Annotated[Length, Field(ge=0)]
@@ -127,11 +130,12 @@ def _ascending(pair: tuple[float | None, float | None]) -> tuple[float | None, f
 
 
 Range = Annotated[tuple[Coordinate | None, Coordinate | None], AfterValidator(_ascending)]
-"""[lower, upper] [rad or m]; null is an open side."""
+"""(lower, upper) [rad or m]; None is an open side."""
 
 
 def misfit(value: object, kind: "DofKind") -> str:
-    """Returns why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
+    """Returns why the unit of a value does not suit a dof of this kind; "" if it does, or if the value has no
+    unit."""
     if not isinstance(value, TypedNumber) or kind == "free":
         return ""
     measure = measure_of(kind)
@@ -139,11 +143,11 @@ def misfit(value: object, kind: "DofKind") -> str:
 
 
 def measure_of(kind: "DofKind") -> Measure:
-    """Returns the measure of the value of a dof of this kind."""
+    """Returns the measure of the values of a dof of this kind, which is not "free"."""
     return "length" if kind == "slide" else "angle"
 
 
-def as_typed(kind: "DofKind") -> str:
+def unit_hint(kind: "DofKind") -> str:
     """Returns the hint for a value of a dof of this kind."""
     measure = measure_of(kind)
     return f"give it in {SI[measure]}, or as {EXAMPLES[measure]!r}"

@@ -1,12 +1,13 @@
 """Defines the base of every section of the configuration.
 
-A section is a frozen pydantic model. It is the schema, the defaults, the documentation (under each
-field, with its unit in brackets), and through `identity()` its part of a cache key. Help, tab
-completion, the reference of keys and the JSON Schema are generated from the sections. A key that is
-reserved, but not implemented yet, is refused by name and never ignored (`not_yet`).
+A section is a frozen pydantic model. It defines the schema, the defaults and the documentation of its keys
+(under each field, with its unit in brackets), and its part of a cache key (`identity`). Help, tab completion,
+the reference of keys and the JSON Schema are generated from the sections. A key that is reserved, but not
+implemented yet (`not_yet`), is refused by name and never ignored.
 """
 
 import ast
+import contextlib
 import functools
 import inspect
 import itertools
@@ -47,7 +48,7 @@ NonNegative = Annotated[Number, Field(ge=0)]
 Flag = Annotated[bool, Strict()]
 
 Triple = tuple[Number, Number, Number]
-"""Three numbers: metres for a position, radians for roll, pitch and yaw."""
+"""Three numbers: x, y and z [m], or roll, pitch and yaw [rad]."""
 
 
 def not_yet(default: Any = None, **field_options: Any) -> Any:
@@ -64,7 +65,7 @@ def example(value: Any) -> Any:
 
 
 def invalid(text: str) -> PydanticCustomError:
-    """Makes the error that a validator raises. `text`: what the value must be, or conflicts with."""
+    """Returns the error that a validator raises. `text`: the message, such as "must be above 0"."""
     return PydanticCustomError("invalid", "{text}", {"text": text})
 
 
@@ -80,7 +81,8 @@ Solref = Annotated[tuple[Number, Number], AfterValidator(_check_solref)]
 
 @functools.cache
 def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
-    """Class in the source of a module → field → the text under it; empty without source."""
+    """Returns the texts under the fields of a module's classes: class → field → text. They are read from the
+    module's source, and empty without source."""
     try:
         source = ast.parse(inspect.getsource(sys.modules[module]))
     except (KeyError, OSError, TypeError):
@@ -119,21 +121,19 @@ class Section(BaseModel):
         extra = field.json_schema_extra
         if not (isinstance(extra, dict) and extra.get(NOT_YET)):
             return handler(value)
-        try:
+        # The key does nothing yet, so an error about the value's type would mislead.
+        with contextlib.suppress(ValidationError):
             valid = handler(value)
-        except ValidationError:
-            # The key does nothing yet, so an error about the value's type would mislead.
-            valid = PydanticCustomError
-        if valid != field.get_default(call_default_factory=True):
-            raise PydanticCustomError(NOT_YET, "not supported yet")
-        return valid
+            if valid == field.get_default(call_default_factory=True):
+                return valid
+        raise PydanticCustomError(NOT_YET, "not supported yet")
 
     @classmethod
     def meanings(cls) -> dict[str, str]:
-        """The documentation of each field, by its key.
+        """Returns the documentation of each field by its key, without fields that have none.
 
-        Read from the source when it is asked for: pydantic would parse the source of every section whenever
-        the command starts, which takes a quarter of the time that all sections take.
+        It is read from the source only when it is asked for: pydantic would parse the source of every section
+        whenever the command starts, which takes a quarter of the time that all sections take.
         """
         source_texts: dict[str, str] = {}
         for section in reversed(cls.__mro__):
@@ -156,5 +156,5 @@ class Section(BaseModel):
         return json_schema
 
     def identity(self) -> dict[str, Any]:
-        """The section as plain data: its part of a cache key. Mappings keep their order."""
+        """Returns the section as plain data, its part of a cache key. Mappings keep their order."""
         return self.model_dump(mode="json", by_alias=True)

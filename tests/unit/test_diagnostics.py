@@ -20,7 +20,7 @@ from tests.support.robots import joint, robot_with
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
 CHECK = re.compile(r"""["'](C-[A-Z][A-Z0-9-]*)["']""")
 ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
-MAKERS = ("tell", "report", "unmatched", "Diagnostic", "Loss")
+MAKERS = ("tell", "report", "report_unmatched", "Diagnostic", "Loss")
 
 
 def spoken():

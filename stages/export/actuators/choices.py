@@ -10,7 +10,7 @@ from linkwright.stages.export.configuration.actuator_section import fields_of
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, Robot
 from linkwright.stages.robot.motion.couplings import nearest_first
-from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
+from linkwright.stages.robot.quantity_keys import TypedNumber, misfit, unit_hint
 from linkwright.stages.robot.text.globs import did_you_mean, matches_glob, name_list, no_match_hint, yaml_key
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _check_control(choice: ChosenActuator, dof: Dof, control: Sequence[float], l
     if choice.motor:
         kind, why = "turn", f"the motor {choice.motor} turns"
     text = misfit(dimensioned[0], kind)
-    hint = as_typed(kind)
+    hint = unit_hint(kind)
     if choice.type not in ("position", "pid"):
         text = f"{dimensioned[0].typed!r} is an angle or a length"
         why = f"the control of type {choice.type} is neither"
@@ -232,7 +232,7 @@ def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
     hint = no_match_hint(glob, {"joints": [dof.name for dof in robot.dofs]})
-    log.unmatched("E-GLOB", f"no joint matches {glob!r}", WHERE, hint, glob)
+    log.report_unmatched("E-GLOB", f"no joint matches {glob!r}", WHERE, hint, glob)
 
 
 def _names(robot: Robot) -> str:

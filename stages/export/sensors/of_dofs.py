@@ -7,7 +7,7 @@ from linkwright.stages.export.configuration.sensor_section import MEASURES
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Dof, Robot, Sensor
-from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.quantity_keys import misfit, unit_hint
 from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _check_units(measured: str, section: "SensorSection", dof: Dof, where: str, 
     keys_with_units: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
     for key in keys_with_units:
         if wrong := misfit(section.typed(key, measured), dof.kind):
-            log.report("E-SENSOR", f"{key} of {measured} of {dof.name}: {wrong}", where, as_typed(dof.kind))
+            log.report("E-SENSOR", f"{key} of {measured} of {dof.name}: {wrong}", where, unit_hint(dof.kind))
 
 
 def _missing_reason(dof: Dof, measured: str) -> str:
@@ -92,7 +92,7 @@ def _report_no_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> Non
 def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
     """Reports a glob that matches none of the names of a kind of thing (E-GLOB)."""
     if not any(matches_glob(name, glob) for name in names):
-        log.unmatched(
+        log.report_unmatched(
             "E-GLOB", f"no {kind} matches {glob!r}", where, no_match_hint(glob, {f"{kind}s": names}), glob
         )
 

@@ -46,5 +46,5 @@ def matched_by(
     matches = {glob: [quantities[number] for number in matching_indices(glob, names)] for glob in ranges}
     for glob in (glob for glob, matched in matches.items() if not matched):
         hint = no_match_hint(glob, {"quantities": quantities})
-        log.unmatched("E-GLOB", f"no quantity matches {glob!r}", CONFIG_KEY, hint, glob)
+        log.report_unmatched("E-GLOB", f"no quantity matches {glob!r}", CONFIG_KEY, hint, glob)
     return matches

@@ -41,7 +41,7 @@ def _matching_subs(
         matches = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not matches:
             hint = no_match_hint(glob, {"sub-assemblies": [sub.title for sub in subs]})
-            log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, hint, glob)
+            log.report_unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, hint, glob)
         matching_paths |= matches
     return matching_paths
 

@@ -8,7 +8,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, Keyframe, Robot
 from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.start_pose import HOME, SAVED, home, keyframes, open_loops
-from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.quantity_keys import misfit, unit_hint
 from linkwright.stages.robot.text.globs import matches_glob, name_list, no_match_hint, yaml_key
 
 LIMIT_TOLERANCE = 1e-9
@@ -60,7 +60,7 @@ def _keyframe(
         scalars = [dof for dof in dofs if dof.kind in ("turn", "slide")]
         if not dofs:
             hint = no_match_hint(glob, {"joints": [dof.name for dof in robot.dofs]})
-            log.unmatched("E-GLOB", f"no joint matches {glob!r}", where, hint, glob)
+            log.report_unmatched("E-GLOB", f"no joint matches {glob!r}", where, hint, glob)
         elif not scalars:
             text = f"{glob!r} matches only balls or free joints, which have no single value: {dofs[0].name}"
             log.report("E-KEYFRAME", text, where, "leave it out: they stay as they were saved")
@@ -68,7 +68,7 @@ def _keyframe(
         if misfits:
             text, dof = misfits[0]
             text = f"{glob!r}: {text}, and {dof.name} is a {dof.kind}"
-            log.report("E-KEYFRAME", text, where, as_typed(dof.kind))
+            log.report("E-KEYFRAME", text, where, unit_hint(dof.kind))
         values |= {dof.name: float(value) for dof in scalars}
     _check_limits(robot, values, where, log)
     return Keyframe(name, tuple(_with_drivers(robot, values, where, log).items()))

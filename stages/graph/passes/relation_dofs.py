@@ -10,7 +10,7 @@ from linkwright.stages.graph.relation_steps import DofRelation
 from linkwright.stages.graph.section import RelationSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import DofKind, Joint, Robot
-from linkwright.stages.robot.quantity_keys import as_typed, misfit
+from linkwright.stages.robot.quantity_keys import misfit, unit_hint
 from linkwright.stages.robot.text.globs import name_list, yaml_key
 from linkwright.stages.robot.text.names import free_name, legal_name
 
@@ -95,7 +95,7 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
         elif text := misfit(spec.offset, kind := kinds[relation.follower]):
             text = f"offset: {text}, and {relation.follower} is a {kind}"
-            log.report("E-RELATION", text, spec.title, as_typed(kind))
+            log.report("E-RELATION", text, spec.title, unit_hint(kind))
         elif relation.driver == relation.follower:
             text = f"the joint {relation.driver!r} is related to itself"
             log.report("E-RELATION", text, spec.title, "choose two different joints")

@@ -109,7 +109,7 @@ def _new_names(
         matches = [names.index(glob)] if glob in names else matching_indices(glob, all_titles)
         if not matches:
             hint = f"name one of: {name_list(names)}"
-            log.unmatched("E-RENAME", f"no {kind} matches {glob!r}", where, hint, glob)
+            log.report_unmatched("E-RENAME", f"no {kind} matches {glob!r}", where, hint, glob)
         elif len(matches) > 1:
             hint = f"name one of: {name_list(names[i] for i in matches)}"
             log.report("E-RENAME", f"{len(matches)} {kind}s match {glob!r}", where, hint)

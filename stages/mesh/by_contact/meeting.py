@@ -131,5 +131,5 @@ def fine_links(fine: str | Sequence[str], links: Sequence[Link], log: Diagnostic
     for glob in fine:
         if not any(matches_glob(link.name, glob) for link in links):
             hint = no_match_hint(glob, {"links": [link.name for link in links]})
-            log.unmatched("E-GLOB", f"no link matches {glob!r}", "mesh.fine", hint, glob)
+            log.report_unmatched("E-GLOB", f"no link matches {glob!r}", "mesh.fine", hint, glob)
     return {link.name for link in links if any(matches_glob(link.name, glob) for glob in fine)}

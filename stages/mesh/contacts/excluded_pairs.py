@@ -48,7 +48,7 @@ def chosen_pairs(
         for glob in (glob for glob, side in zip(globs, sides, strict=True) if not side):
             if glob not in reported_globs:
                 hint = no_match_hint(glob, {"links": links})
-                log.unmatched("E-GLOB", f"no link matches {glob!r}", _EXCLUDE_KEY, hint, glob)
+                log.report_unmatched("E-GLOB", f"no link matches {glob!r}", _EXCLUDE_KEY, hint, glob)
             reported_globs.add(glob)
         pairs = {
             (a, b) if position[a] < position[b] else (b, a) for a in sides[0] for b in sides[1] if a != b

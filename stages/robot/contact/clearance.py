@@ -18,39 +18,39 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.robot import Array
 
 Mesh = Any
-"""Triangles as an engine keeps them."""
+"""A mesh in an engine's own form."""
 
 Convex = Any
-"""A convex solid as an engine keeps it."""
+"""A convex solid in an engine's own form."""
 
 Poses = Sequence[Any]
-"""Rigid transforms as an engine keeps them."""
+"""Rigid transforms in an engine's own form."""
 
 
 class DistanceEngine(Protocol):
-    """A library that measures distances. All points are (n, 3) [m], triangles (m, 3); a pose is that of the
-    second shape in the frame of the first (first_from_second)."""
+    """A library that measures distances. Points are (n, 3) [m] and triangles (m, 3) indices of points. A pose
+    is that of the second shape in the frame of the first (first_from_second)."""
 
     def mesh(self, points: Array, triangles: npt.NDArray[np.int64]) -> Mesh:
         """Returns a mesh, open or closed, of any shape."""
 
     def convex(self, points: Array, triangles: npt.NDArray[np.int64]) -> Convex:
-        """Returns a convex solid. All points must be vertices of the hull, and the triangles face
+        """Returns a convex solid. All points must be vertices of its hull, and the triangles must face
         outwards."""
 
     def poses(self, first_from_second: Array) -> Poses:
         """Converts transforms (n, 4, 4) to poses of the engine."""
 
     def near(self, first: Mesh, second: Mesh, pose: Any, margin: float) -> bool:
-        """Returns whether two surfaces are within `margin` [m] of each other."""
+        """Returns whether the distance between two surfaces is at most `margin` [m]."""
 
     def distance(self, first: Mesh, second: Mesh, pose: Any) -> float:
-        """Returns the distance [m] between two surfaces; at most 0 if they intersect. Takes five times as
+        """Returns the distance [m] between two surfaces; 0 or less if they intersect. It takes five times as
         long as `near`."""
 
     def depth(self, first: Convex, second: Convex, pose: Any) -> float:
-        """Returns the penetration depth [m]: how far the second must move until both just touch. If they are
-        apart, the negative distance."""
+        """Returns the penetration depth [m]: the shortest shift of the second solid after which both just
+        touch. If they are apart, it is the negative distance."""
 
 
 @functools.cache

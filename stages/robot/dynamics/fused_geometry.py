@@ -1,4 +1,4 @@
-"""Merges the shapes of links on fixed joints into those of the links that hold them."""
+"""Moves the shapes of fused links to the links that hold them."""
 
 from dataclasses import dataclass, replace
 from itertools import product
@@ -10,18 +10,18 @@ from linkwright.stages.robot.model.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class _Colliders:
-    """The collision shapes of a link."""
+    """The place of a link's collision shapes among those of its holder."""
 
     holder: str
     first: int
-    """Index of the first among the shapes of its holder."""
+    """Index of the link's first collision shape among those of its holder."""
     count: int
-    """Number of shapes."""
+    """Number of the link's collision shapes."""
 
 
 def fused_geometry(robot: Robot, geometry: Geometry, holders: Holders) -> Geometry:
-    """Returns the shapes, excludes and contacts by the holders of the links. A mesh stays in the frame of its
-    own link: the result gives the shapes of a body and their order, not their poses."""
+    """Returns the geometry whose shapes, excludes and touching pairs are those of the links' holders. The
+    shapes of a holder are in the order of its links, but a shape stays in the frame of its own link."""
     groups = members(robot, holders)
     if len(groups) == len(robot.links):
         return geometry
@@ -51,7 +51,8 @@ def fused_geometry(robot: Robot, geometry: Geometry, holders: Holders) -> Geomet
 def _excludes(
     geometry: Geometry, colliders: dict[str, _Colliders], totals: dict[str, int]
 ) -> tuple[Exclude, ...]:
-    """Returns an exclude for each two holders: for them as a whole where none of their shapes collide."""
+    """Returns the exclude of each two holders: one of whole links if no pair of their shapes collides, else
+    one of pairs of shapes, left out without such a pair."""
     order = {holder: index for index, holder in enumerate(totals)}
     by_holders: dict[tuple[str, str], Exclude] = {}
     for exclude in geometry.excludes:

@@ -1,4 +1,4 @@
-"""Fuses links on fixed joints with the links above them, without losing a motion."""
+"""Fuses links on fixed joints with the links above them; the robot moves as before."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -8,31 +8,30 @@ from linkwright.stages.robot.model.poses import UNMOVED
 from linkwright.stages.robot.model.robot import Array, Frame, Inertial, Joint, Link, Loop, Robot, frozen
 
 Holders = Mapping[str, tuple[str, Array]]
-"""Link → the link that it is part of, and holder_from_link (4, 4)."""
+"""Link → its holder, the link that it is part of (or the link itself), and holder_from_link (4, 4)."""
 
 
 def links_on_fixed_joints(robot: Robot) -> tuple[str, ...]:
-    """Returns the links that can be part of the link above them.
-
-    No link can be part of a link `world`, which has no mass in any engine.
-    """
+    """Returns the links that can be part of the link above them: those on fixed joints, except on a link
+    `world`, which has no mass in any engine."""
     return tuple(joint.child for joint in robot.joints if not joint.dofs and joint.parent != "world")
 
 
-def holders(robot: Robot, parts: Collection[str]) -> Holders:
-    """Returns every link's holder: its parent's for those that are `parts` of other links, itself for the
-    rest."""
-    parts = frozenset(parts)
+def holders(robot: Robot, fused_links: Collection[str]) -> Holders:
+    """Returns every link's holder: that of its parent for `fused_links`, the link itself for the others."""
+    fused_links = frozenset(fused_links)
     by_link = {robot.root.name: (robot.root.name, UNMOVED)}
     for joint in robot.joints:
         holder, pose = by_link[joint.parent]
-        fuses = joint.child in parts
-        by_link[joint.child] = (holder, pose @ joint.parent_from_joint) if fuses else (joint.child, UNMOVED)
+        is_fused = joint.child in fused_links
+        by_link[joint.child] = (
+            (holder, pose @ joint.parent_from_joint) if is_fused else (joint.child, UNMOVED)
+        )
     return by_link
 
 
 def members(robot: Robot, holder_of: Holders) -> dict[str, list[tuple[str, Array]]]:
-    """Returns the links that each holder is made of, itself first, each with holder_from_link (4, 4)."""
+    """Returns the links of each holder, itself first, each with holder_from_link (4, 4)."""
     by_holder: dict[str, list[tuple[str, Array]]] = {}
     for link in robot.links:
         holder, pose = holder_of[link.name]
@@ -41,8 +40,8 @@ def members(robot: Robot, holder_of: Holders) -> dict[str, list[tuple[str, Array
 
 
 def fused(robot: Robot, holder_of: Holders) -> Robot:
-    """Returns the robot without the links that are part of other links: everything on them is on their
-    holders."""
+    """Returns the robot whose links are the holders: they have the parts, shapes, masses, joints, loops and
+    frames of all their links."""
     links = {link.name: link for link in robot.links}
     groups = members(robot, holder_of)
     return replace(
@@ -62,8 +61,8 @@ def fused(robot: Robot, holder_of: Holders) -> Robot:
 
 
 def _fused_link(links: Sequence[Link], poses: Sequence[Array]) -> Link:
-    """Returns the first of the links with the parts, shapes and mass of all of them. Their inertial is
-    `given` where any link's is given or a link has no parts."""
+    """Returns the first of the links with the parts, shapes and mass of all of them. `poses`: first_from_link
+    (4, 4) of each. The inertial is `given` if that of any link is, or if any link has no parts."""
     first = links[0]
     if len(links) == 1:
         return first

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 class Amendment:
     """The change of a file by an entry of `elements` or `attributes`.
 
-    key: of the entry.
+    key: the key of the entry.
     file: the path of the file.
-    target: the element that was added to or changed, "body torso".
-    adds: the elements that were added, "site cam".
+    target: the element that was changed, or got new children, such as "body torso".
+    adds: the elements that were added, such as "site cam".
     sets: the names of the attributes that were set or removed.
     """
 
@@ -27,18 +27,18 @@ class Amendment:
 
 
 def tag_of(description: str) -> str:
-    """Returns the tag of an element in words: "body torso", or "<body>" for an unnamed element."""
+    """Returns the tag of an element from its description: "body torso", or "<body>" if it is unnamed."""
     return description.split()[0].strip("<>")
 
 
 @dataclass(frozen=True, slots=True)
 class Surplus:
-    """The numbers of things in a file that are not the robot's own: they come after the robot's.
+    """The numbers of elements that amendments add to a file. They come after the robot's own.
 
     file: the path of the file.
-    dofs: number of degrees of freedom.
-    actuators: number of actuators.
-    equalities: number of equalities.
+    dofs: the number of degrees of freedom.
+    actuators: the number of actuators.
+    equalities: the number of equalities.
     """
 
     file: str
@@ -49,10 +49,12 @@ class Surplus:
 
 @dataclass(frozen=True, slots=True)
 class Amendments:
-    """All amendments, in the order in which they were made, and what they add to each file."""
+    """All amendments of a build."""
 
     changes: tuple[Amendment, ...] = ()
+    """The amendments, in the order in which they were made."""
     surplus: tuple[Surplus, ...] = ()
+    """The surplus of each file that has one."""
 
     def surplus_of(self, file: str) -> Surplus:
         """Returns the surplus of a file; zeros if it has none."""
@@ -64,4 +66,4 @@ class Amendments:
 
 
 UNCHANGED = Amendments()
-"""The files are as they were written."""
+"""The amendments of a build without any: its files are as they were written."""

@@ -8,6 +8,8 @@ from typing import Literal
 from linkwright.stages.robot.model.arrays import Array
 
 DofKind = Literal["turn", "slide", "ball", "free"]
+"""The kind of a dof. turn: rotation about an axis; slide: translation along it; ball: any rotation; free: any
+motion."""
 
 Value = float | tuple[float, ...]
 """A dof's value: a turn [rad], a slide [m]; a ball's unit quaternion (w, x, y, z); of a free joint the
@@ -19,31 +21,31 @@ Configuration = Mapping[str, Value]
 
 @dataclass(frozen=True, slots=True)
 class LimitOrigin:
-    """How the limits of a mate were read from CAD."""
+    """The origin of the limits of a mate: how they were read from CAD."""
 
     unknown: str = ""
-    """Why they are unknown, or not known exactly; "" if they are known."""
+    """Why the limits are unknown, or not known exactly; "" if they are known."""
     doubts: tuple[str, ...] = ()
-    """Contradictions, and how they were resolved."""
+    """The contradictions in CAD, and how they were resolved."""
     open: tuple[str, ...] = ()
-    """The open side, if only the other was typed."""
+    """The open sides of limits for which only the other side was typed."""
 
     def merged_with(self, title: str, other: "LimitOrigin") -> "LimitOrigin":
-        """Returns this origin merged with that of another mate, called `title` in CAD, whose limits these
-        include."""
+        """Returns the origin of limits that combine these with those of another mate, called `title` in
+        CAD."""
         mark = f" (of {title})"
         unknown = [self.unknown, other.unknown and other.unknown + mark]
-        doubts, sides = (tuple(text + mark for text in texts) for texts in (other.doubts, other.open))
-        return LimitOrigin("; ".join(filter(None, unknown)), self.doubts + doubts, self.open + sides)
+        doubts, open_sides = (tuple(text + mark for text in texts) for texts in (other.doubts, other.open))
+        return LimitOrigin("; ".join(filter(None, unknown)), self.doubts + doubts, self.open + open_sides)
 
 
 AS_TYPED = LimitOrigin()
-"""The origin of limits that are known, or known to be absent."""
+"""The origin of limits that are known exactly, also if there are none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The range of a dof. Equal ranges are equal, whatever their `origin`."""
+    """The range of a dof. Comparison ignores the `origin`."""
 
     lower: float | None = None
     """Lower end [rad or m]; None is open."""
@@ -51,34 +53,35 @@ class Limits:
     """Upper end [rad or m]; None is open. For a ball, the half angle [rad] of the cone that its z axis stays
     in."""
     origin: LimitOrigin = field(default=AS_TYPED, compare=False, kw_only=True)
-    """How they were read from CAD."""
+    """How the limits were read from CAD."""
 
     def mapped(self, factor: float, shift: float = 0.0) -> "Limits":
-        """Returns the range of factor · value + shift."""
+        """Returns the range of factor · value + shift, for values in this range."""
         if factor == 0:
             return Limits(shift, shift, origin=self.origin)
+        # Adding 0.0 turns -0.0 into 0.0.
         ends = [None if end is None else factor * end + shift + 0.0 for end in (self.lower, self.upper)]
         return Limits(*(ends if factor > 0 else reversed(ends)), origin=self.origin)
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Both ends; an open end is infinite."""
+        """The lower and the upper end [rad or m]; an open end is infinite."""
         low = -math.inf if self.lower is None else self.lower
         return low, math.inf if self.upper is None else self.upper
 
     def contains(self, value: float, tolerance: float = 0.0) -> bool:
-        """Returns whether a value is within the range, or no further outside than `tolerance`."""
+        """Returns whether a value is within the range, or outside by at most `tolerance`."""
         low, high = self.interval
         return low - tolerance <= value <= high + tolerance
 
     def clip(self, value: float) -> float:
-        """Returns the value of the range that is nearest to this value."""
+        """Returns the value in the range that is nearest to `value`."""
         low, high = self.interval
         return min(max(value, low), high)
 
     def unwrap(self, angle: float, tolerance: float = 0.0) -> float:
-        """Returns the angle [rad] moved into the range by the fewest whole turns; unchanged where that is
-        impossible."""
+        """Returns the angle [rad] that differs by the fewest whole turns and is within the range, or outside
+        by at most `tolerance`; `angle` itself if no such angle exists."""
         low, high = self.interval
         turns = 0
         if angle < low - tolerance:
@@ -91,7 +94,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """The resistance and the limits of a dof's motion; None is unset."""
+    """The resistances and limits of a dof's motion; None if a value is not set."""
 
     damping: float | None = None
     """Viscous damping [N m s/rad or N s/m]."""
@@ -112,37 +115,36 @@ class Spring:
     stiffness: float
     """Stiffness [N m/rad or N/m]."""
     reference: float = 0.0
-    """Value [rad or m] at which it is slack; 0 for a ball, whose spring is slack at the pose of qpos0."""
+    """Value [rad or m] without spring force; 0 for a ball, whose spring has no force at qpos0."""
 
 
 @dataclass(frozen=True, slots=True)
 class MateValue:
-    """The conversion of a dof's value to the mate's own: `zero` + `sign` · value, for a turn or a slide.
+    """The conversion of a dof's value to the value that its mate has in CAD.
 
-    For a ball it is the quaternion `zero` times the value, and `sign` is 1. Each is as in the dof's chain,
-    from parent to child.
+    For a turn or a slide it is `zero` + `sign` · value. For a ball it is the quaternion `zero` times the
+    value, as the dof's chain multiplies rotations from parent to child, and `sign` is 1.
     """
 
     sign: int = 1
     zero: Value = 0.0
 
     def to_mate(self, value: float) -> float:
-        """Returns the mate's own value [rad or m] of a turn or slide."""
+        """Returns the mate's value [rad or m] at this value of a turn or slide."""
         return float(self.zero) + self.sign * value if isinstance(self.zero, float) else value
 
     def from_mate(self, mate: float) -> float:
-        """Returns the value [rad or m] at which the mate's own is `mate`."""
+        """Returns the value [rad or m] of a turn or slide at which the mate's value is `mate`."""
         return self.sign * (mate - self.zero) + 0.0 if isinstance(self.zero, float) else mate
 
 
 AS_THE_MATE = MateValue()
-"""The mate's own value."""
+"""The conversion of a dof whose value is that of the mate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dof:
-    """A coordinate of a joint: a turn about an axis, a slide along it, a ball, or free motion. The only dof
-    of a joint has the name of the joint."""
+    """A coordinate of a joint. If a joint has a single dof, both have the same name."""
 
     name: str
     kind: DofKind
@@ -154,12 +156,12 @@ class Dof:
     limits: Limits
     dynamics: Dynamics
     saved: Value
-    """Value in the pose that CAD was left in."""
+    """Value in the pose that is saved in CAD."""
     given: tuple[str, ...] = ()
-    """Names of the limits and dynamics that the configuration gives; the others are the source's."""
+    """Names of the limits and dynamics that the configuration sets; the others are the source's."""
     named: tuple[str, ...] = ()
-    """Names in `given` that an entry with the dof's own name gives."""
+    """Names in `given` that are set by an entry with the name of the dof, and not by a glob."""
     mate_value: MateValue = AS_THE_MATE
-    """Conversion of the value to the mate's own."""
+    """Conversion of the value to that of the mate."""
     spring: Spring | None = None
-    """The spring in an MJCF source."""
+    """The spring in an MJCF source; None without a spring."""

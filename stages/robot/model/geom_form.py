@@ -1,12 +1,15 @@
-"""Describes the properties of a geom in an MJCF beside its shape and pose: its name and its contact
-properties."""
+"""Describes the properties of a geom in an MJCF beside its shape and pose: its name, its contact properties
+and its other attributes."""
 
 from dataclasses import dataclass, fields
 
 
 @dataclass(frozen=True, slots=True)
 class ContactProperties:
-    """MuJoCo's contact properties of a geom, with its names and units; None for MuJoCo's default."""
+    """The contact properties of a geom, with MuJoCo's names and units; None for MuJoCo's default.
+
+    Those after `priority` are set only by an MJCF source, and not by the configuration.
+    """
 
     friction: tuple[float, float, float] | None = None
     condim: int | None = None
@@ -15,14 +18,13 @@ class ContactProperties:
     margin: float | None = None
     priority: int | None = None
     solmix: float | None = None
-    """From here on, only an MJCF source gives values."""
     gap: float | None = None
     contype: int | None = None
     conaffinity: int | None = None
 
     def given(self) -> dict[str, float | tuple[float, ...]]:
-        """Returns the properties that are not left at their default, by name."""
-        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        """Returns the properties that are not None, by name."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
 
 
@@ -32,12 +34,12 @@ class GeomForm:
 
     name: str = ""
     contact: ContactProperties | None = None
-    """Its contact properties."""
+    """The contact properties; None if all are MuJoCo's defaults."""
     attributes: tuple[tuple[str, str], ...] = ()
-    """The attributes that no other format has: (name, MJCF's text)."""
+    """The attributes that only MJCF has: (name, text)."""
     ellipsoid: tuple[float, ...] = ()
-    """Lengths of an ellipsoid along x, y and z [m]; other formats have a mesh in its place."""
+    """Lengths [m] of an ellipsoid along x, y and z, which is a mesh in other formats; () for other shapes."""
 
 
 PLAIN = GeomForm()
-"""A geom without a name, of MuJoCo's defaults."""
+"""The form of a geom without a name and with MuJoCo's defaults."""

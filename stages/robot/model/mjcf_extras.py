@@ -1,4 +1,4 @@
-"""Describes the content of an MJCF source that only an MJCF can carry."""
+"""Describes the content of an MJCF source that only MJCF can express."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.robot.model.scene import Setting
 
-if TYPE_CHECKING:  # numpy comes with it
+if TYPE_CHECKING:  # `arrays` imports numpy
     from linkwright.stages.robot.model.arrays import Array
 
 Attributes = tuple[tuple[str, str], ...]
@@ -20,7 +20,7 @@ NewName = Callable[[str, str], str]
 
 @dataclass(frozen=True, slots=True)
 class MjcfElement:
-    """An element of an MJCF."""
+    """An element of an MJCF, whose references to other elements can be renamed."""
 
     tag: str
     attributes: Attributes = ()
@@ -31,23 +31,23 @@ class MjcfElement:
 
     @property
     def name(self) -> str:
-        """Its own name, "" if it is unnamed."""
+        """The name of the element; "" without a name."""
         return dict(self.attributes).get("name", "")
 
     def inside(self) -> Iterator[MjcfElement]:
-        """Yields the elements in it, at any depth."""
+        """Yields the elements inside this element, at any depth."""
         for child in self.children:
             yield child
             yield from child.inside()
 
     def named(self) -> Iterator[tuple[str, str]]:
-        """Yields (kind, name) of everything that it and the elements in it name."""
+        """Yields (kind, name) of each reference of this element and of the elements inside."""
         yield from ((kind, name) for _, kind, name in self.names)
         for child in self.children:
             yield from child.named()
 
     def renamed(self, new_name: NewName) -> MjcfElement:
-        """Returns the element with new names for the things that it refers to."""
+        """Returns the element with new names in its references and in those of the elements inside."""
         return replace(
             self,
             names=tuple((attribute, kind, new_name(kind, name)) for attribute, kind, name in self.names),
@@ -57,23 +57,25 @@ class MjcfElement:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfBodyFrame:
-    """The pose of the source's body in its link."""
+    """The pose of a source's body in its link."""
 
     link: str
     link_from_body: Array
     """Pose of the body in the link (4, 4)."""
     body_from_inertial: Array | None = None
-    """Axes of its inertia (3, 3), in the order of the source; None for a body without mass."""
+    """Principal axes of the body's inertia (3, 3), in the order of the source; None for a body without
+    mass."""
 
 
 @dataclass(frozen=True, slots=True)
 class MjcfAttributes:
-    """Attributes of an element that the robot itself has."""
+    """Further attributes of an element that represents something of the robot."""
 
     kind: str
-    """joint (named by its dof), freejoint (of the floating root, by its link), body (by its link), site (by
-    its frame), equality (by its loop or relation), actuator or sensor."""
+    """The kind of the element: joint, freejoint, body, site, equality, actuator or sensor."""
     name: str
+    """The robot's name: a dof for a joint, a link for a body or for the freejoint of a floating root, a frame
+    for a site, a loop or relation for an equality."""
     attributes: Attributes
 
 
@@ -89,41 +91,42 @@ class MjcfMounted:
 
 @dataclass(frozen=True, slots=True)
 class MjcfKeyframe:
-    """The content of a keyframe beside the values of the robot's turns and slides."""
+    """The values of a keyframe beside those of the robot's turns and slides."""
 
     name: str
     world_from_root: tuple[float, ...] = ()
-    """Position and quaternion (x, y, z, qw, qx, qy, qz) of a floating root; () for none."""
+    """Position [m] and quaternion (x, y, z, qw, qx, qy, qz) of a floating root; () without one."""
     scene: tuple[float, ...] = ()
-    """The numbers in `qpos` of the scene's objects."""
+    """The part of `qpos` that belongs to the scene's objects."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfExtras:
-    """The extras of an MJCF source."""
+    """The content of an MJCF source that only MJCF can express."""
 
     bodies: tuple[MjcfBodyFrame, ...] = ()
     """An entry for each link that is a body of the source."""
     attributes: tuple[MjcfAttributes, ...] = ()
     mounted: tuple[MjcfMounted, ...] = ()
     sections: tuple[MjcfElement, ...] = ()
-    """Elements in a section of an MJCF, such as tendons, that name only parts of the robot."""
+    """Sections of an MJCF, such as <tendon>, with elements that refer only to the robot."""
     order: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    """(section, names of all elements of the source in its order)."""
+    """(section, names of its elements in the source's order), for actuators and sensors."""
     scene: tuple[MjcfElement, ...] = ()
-    """The sections of the objects beside the robot."""
+    """Sections with the elements of the objects beside the robot."""
     scene_qpos: tuple[float, ...] = ()
-    """The numbers in `qpos0` of the scene's objects."""
+    """The part of `qpos0` that belongs to the scene's objects."""
     keyframes: tuple[MjcfKeyframe, ...] = ()
     has_ground: bool = False
     """Whether an object of the scene is fixed to the world and can be touched."""
     option: tuple[tuple[str, Setting], ...] = ()
-    """Attributes of MuJoCo's element <option> that the source sets."""
+    """The attributes of <option> that the source sets."""
     flag: Attributes = ()
-    """Attributes of MuJoCo's element <flag> that the source sets."""
+    """The attributes of <flag> that the source sets."""
 
     def renamed(self, new_name: NewName) -> MjcfExtras:
-        """Returns the extras of a robot with other names."""
+        """Returns the extras with new names of links, joints and frames."""
+        # A freejoint is named by its link.
         kinds = {"freejoint": "body"}
         return replace(
             self,
@@ -144,26 +147,27 @@ class MjcfExtras:
 
     @property
     def moves_in_scene(self) -> bool:
-        """Whether something beside the robot moves in the scene, or is driven there: then the keyframes are
-        the scene's, since MuJoCo before version 4 takes none with the numbers of the robot alone."""
+        """Whether an object beside the robot moves in the scene or has actuators. The keyframes are then in
+        the scene's file: before version 4, MuJoCo refuses keyframes with the numbers of the robot alone
+        there."""
         return bool(self.scene_qpos) or any(section.tag == "actuator" for section in self.scene)
 
     def attributes_of(self, kind: str) -> dict[str, dict[str, str]]:
-        """Returns the attributes of the things of this kind, by name."""
+        """Returns the attributes of the elements of this kind, by name."""
         return {entry.name: dict(entry.attributes) for entry in self.attributes if entry.kind == kind}
 
     def in_order(self, section: str, names: Iterable[str]) -> list[str]:
-        """Returns the names as the source orders them, with names that it lacks at the end."""
+        """Returns the names in the source's order; names that the source lacks come last, in their order."""
         place = {name: index for index, name in enumerate(dict(self.order).get(section, ()))}
         return sorted(names, key=lambda name: place.get(name, len(place)))
 
 
 def children_of(sections: Iterable[MjcfElement], tag: str) -> Iterator[MjcfElement]:
-    """Yields the elements in the sections of this tag."""
+    """Yields the elements in all sections with this tag."""
     for section in sections:
         if section.tag == tag:
             yield from section.children
 
 
 NO_EXTRAS = MjcfExtras()
-"""The extras of a robot from another source."""
+"""The extras of a robot whose source is not an MJCF."""

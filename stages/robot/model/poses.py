@@ -7,28 +7,25 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array, DofKind, Value, frozen
 
 UNMOVED = frozen(np.eye(4))
-"""The pose (4, 4) of an unmoved frame; it must not be written to."""
+"""The identity (4, 4): the pose of a frame in itself. It is read-only."""
 
 
 def inverse(a_from_b: Array) -> Array:
     """Returns the inverse b_from_a of a rigid (or reflecting) transform (4, 4)."""
     rotation = a_from_b[:3, :3]
-    out = UNMOVED.copy()
-    out[:3, :3] = rotation.T
-    out[:3, 3] = -rotation.T @ a_from_b[:3, 3]
-    return out
+    return from_parts(rotation.T, -rotation.T @ a_from_b[:3, 3])
 
 
 def from_parts(rotation: Array, position: Array) -> Array:
     """Returns the (4, 4) transform with this rotation (3, 3) and position (3,)."""
-    out = UNMOVED.copy()
-    out[:3, :3] = rotation
-    out[:3, 3] = position
-    return out
+    transform = UNMOVED.copy()
+    transform[:3, :3] = rotation
+    transform[:3, 3] = position
+    return transform
 
 
 def at_rest(kind: DofKind) -> Value:
-    """Returns the value of a dof at which it moves nothing."""
+    """Returns the value at which a dof of this kind does not move its frame."""
     if kind == "ball":
         return (1.0, 0.0, 0.0, 0.0)
     if kind == "free":
@@ -37,16 +34,18 @@ def at_rest(kind: DofKind) -> Value:
 
 
 def motion(kind: DofKind, axis: Array, value: Value) -> Array:
-    """Returns the transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
-    out = UNMOVED.copy()
+    """Returns the transform (4, 4) by which a dof moves its frame at `value` (see `dofs.Value`). `axis`: the
+    unit vector (3,) of a turn or a slide."""
+    transform = UNMOVED.copy()
     if isinstance(value, tuple):
-        out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
-        out[:3, 3] = value[:-4] or 0.0
+        transform[:3, :3] = rotation_from_quat(np.array(value[-4:]))
+        # The value of a ball has no position.
+        transform[:3, 3] = value[:-4] or 0.0
     elif kind == "slide":
-        out[:3, 3] = np.asarray(axis) * value
+        transform[:3, 3] = np.asarray(axis) * value
     elif value:
-        out[:3, :3] = turn(axis, value)
-    return out
+        transform[:3, :3] = turn(axis, value)
+    return transform
 
 
 def turn(axis: Array, angle: float) -> Array:
@@ -59,24 +58,24 @@ def turn(axis: Array, angle: float) -> Array:
 
 
 def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
-    """Returns URDF's roll, pitch, yaw [rad], extrinsic xyz: Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Returns the rotation (3, 3) of URDF's roll, pitch and yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll)."""
     roll, pitch, yaw = rpy
     x, y, z = np.eye(3)
     return turn(z, yaw) @ turn(y, pitch) @ turn(x, roll)
 
 
 def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
-    """Returns roll, pitch, yaw [rad] of a rotation (3, 3): URDF's extrinsic xyz.
+    """Returns URDF's roll, pitch and yaw [rad] of a rotation (3, 3).
 
-    Exact near pitch = ±90° too: there the roll is computed after the yaw from the last two rows, so that the
-    product is the rotation again, however it is split between roll and yaw.
+    The result is exact near pitch = ±90° too: the roll is computed from the rotation without the yaw, so that
+    the product of the three is the rotation again, however it is split between roll and yaw.
     """
     r = rotation
     cos_pitch = math.hypot(r[0, 0], r[1, 0])
     pitch = math.atan2(-r[2, 0], cos_pitch)
-    # At ±90° both arguments are rounding noise and any yaw will do: 0 reads best.
+    # At ±90° both arguments are rounding errors and any yaw is correct: 0 is the plainest.
     yaw = math.atan2(r[1, 0], r[0, 0]) if cos_pitch > 1e-15 else 0.0
-    # With the yaw taken off, Ry(pitch) Rx(roll) has these in its middle row.
+    # The middle row of Rz(-yaw) R = Ry(pitch) Rx(roll) is (0, cos roll, -sin roll).
     sin_yaw, cos_yaw = math.sin(yaw), math.cos(yaw)
     roll = math.atan2(
         sin_yaw * r[0, 2] - cos_yaw * r[1, 2],
@@ -88,7 +87,7 @@ def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
 def quat_from_rotation(rotation: Array) -> Array:
     """Returns the unit quaternion (4,) as (w, x, y, z), w ≥ 0, of a rotation (3, 3).
 
-    Shepperd's method: the largest of the four squares is the divisor, so no branch loses digits.
+    This is Shepperd's method: the largest of the four components is the divisor, so that no digits are lost.
     """
     r: list[list[float]] = np.asarray(rotation, dtype=float).tolist()
     trace = r[0][0] + r[1][1] + r[2][2]
@@ -120,10 +119,10 @@ def rotation_from_quat(quat: Array) -> Array:
 
 
 def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
-    """Returns (x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
+    """Returns (x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 if y is ±90°."""
     r = rotation
     y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
     z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0
-    # With z taken off, Rx Ry has (0, cos x, sin x) for its second column.
-    second = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
-    return math.atan2(second[2], second[1]), y, z
+    # The second column of R Rz(-z) = Rx(x) Ry(y) is (0, cos x, sin x).
+    column = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
+    return math.atan2(column[2], column[1]), y, z

@@ -3,9 +3,9 @@
 Conventions: SI units; radians; a transform `a_from_b` is a (4, 4) array that takes coordinates in
 frame b to frame a, so names read left to right and cancel. Arrays are float64 and read-only.
 
-A link's frame is its joint's frame; the root link's frame is the assembly origin, or the frame that
-the user chose. q = 0 is where the two mate frames coincide, and q is the pose of the mate's first
-entity relative to its second, unless the user counts it from another zero or in the opposite direction.
+A link's frame is the frame of the joint that moves it; the frame of the root link is the assembly's origin,
+or a frame that the user chose. The values q of a joint are the pose of its mate's first entity relative to
+the second, and 0 where the frames of both coincide, unless the user chose another zero or direction.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from typing import Literal
 
 from linkwright.stages.robot.errors import Diagnostic
 
-# Part of the model, each in a module of its own.
+# Classes of the model that have modules of their own, exported here.
 from linkwright.stages.robot.model.actuation import Actuator as Actuator
 from linkwright.stages.robot.model.arrays import Array as Array
 from linkwright.stages.robot.model.arrays import frozen as frozen
@@ -43,15 +43,14 @@ JointType = Literal[
     "free",
     "compound",
 ]
-"""A mate's types; `compound` is any other chain of dofs, such as three hinges that a file gives one body."""
+"""The type of a joint, as of a mate; `compound` is any other chain of dofs, such as three hinges of a body in
+an MJCF."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertial:
-    """The mass [kg], the centre of mass [m] (3,) and the inertia about it [kg m²] (3, 3) of a body, in the
-    axes of the owning frame.
-
-    The tensor has true signs: off-diagonal entries are −∫xy dm.
+    """The mass [kg], the centre of mass (3,) [m] and the inertia about it (3, 3) [kg m²] of a body, in the
+    frame of its owner. The off-diagonal entries of the inertia are −∫xy dm.
     """
 
     mass: float
@@ -61,10 +60,12 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class MeshRef:
-    """A reference to a part's triangles: a reply of the bundle (by digest) and the part's id in it."""
+    """A reference to a part's triangles."""
 
     reply: str
+    """Digest of the reply or file in the bundle."""
     part: str
+    """Id of the part in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,41 +73,46 @@ class Part:
     """An occurrence of a part, as CAD has it. Its inertial and volume [m³] are in its own frame."""
 
     path: tuple[str, ...]
-    """Ids of instances from the root."""
+    """Ids of the instances from the root assembly down to the part."""
     name: str
-    """The same in words, joined by "/"."""
+    """Names of the same instances, joined by "/"."""
     part_id: str
     mesh: MeshRef | None
+    """The triangles; None without triangles."""
     link_from_part: Array
+    """Pose (4, 4) of the part in its link."""
     world_from_part: Array
+    """Pose (4, 4) of the part in the assembly, at the saved pose."""
     inertial: Inertial
     volume: float
     collides: bool = True
-    """Whether its shape takes part in contact; a sheet without mass is only visual."""
+    """Whether the part takes part in contact; a sheet without mass does not."""
     seen: bool = True
-    """Whether it is visual; a mesh made only for contact is not."""
+    """Whether the part is visual; a mesh that is only for contact is not."""
     standard: bool = False
-    """Whether it is standard content, such as a screw."""
+    """Whether the part is standard content, such as a screw."""
     estimated: bool = False
-    """Whether its mass is estimated from its volume."""
+    """Whether the mass is estimated from the volume."""
     form: GeomForm = PLAIN
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
-"""Only an MJCF has ellipsoids: no link has an ellipsoid as a shape."""
+"""The kind of a primitive. Only a shape of an MJCF can be an ellipsoid (`geometry.Shape.ellipsoid`), never
+one of `Link.shapes`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Primitive:
-    """A shape that is no mesh."""
+    """A shape that is described by a few lengths and not by a mesh."""
 
     kind: PrimitiveKind
     size: tuple[float, ...]
-    """[m]: lengths of a box along x, y, z; (radius,) of a sphere; (radius, length) of a cylinder or capsule
-    along z, without the capsule's caps."""
+    """Lengths [m]: of a box or ellipsoid along x, y and z; (radius,) of a sphere; (radius, length along z) of
+    a cylinder or capsule, without the caps of the capsule."""
     link_from_shape: Array
+    """Pose (4, 4) of the shape in the link."""
     colour: tuple[float, float, float, float] | None = None
-    """RGBA in 0..1; None for neutral grey."""
+    """RGBA in 0..1; None for the default grey."""
     visual: bool = True
     collision: bool = True
     form: GeomForm = PLAIN
@@ -114,37 +120,38 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A rigid body. A link that CAD does not have has no path and no parts."""
+    """A rigid body. A link without a counterpart in CAD has no path and no parts."""
 
     name: str
     inertial: Inertial
     parts: tuple[Part, ...]
     """Sorted by path."""
     path: tuple[str, ...]
-    """The occurrence that names it."""
+    """Path of the occurrence that the link is named by."""
     given: Inertial | None = None
-    """The inertial that replaces the sum of the parts, given by the user or raised to the minimum of
-    engines."""
+    """The inertial that replaces the sum of the parts, as the user gives it or raised to the minimum of
+    engines; None for the sum."""
     shapes: tuple[Primitive, ...] = ()
-    """Primitives beside the parts."""
+    """The primitives of the link, beside its parts."""
 
 
 @dataclass(frozen=True, slots=True)
 class MateRef:
-    """The CAD feature behind a joint: owning occurrence path, feature id, its name and mate type.
-
-    `copy`: the instance for which a pattern or mirror repeats it; "" for the feature itself.
-    """
+    """A reference to the mate in CAD that a joint or loop comes from."""
 
     owner: tuple[str, ...]
+    """Path of the assembly that has the mate."""
     feature: str
+    """Id of the mate."""
     name: str
     type: str
+    """Type of the mate in CAD."""
     copy: str = ""
+    """The instance for which a pattern or mirror repeats the mate; "" for the mate itself."""
 
     @property
     def key(self) -> tuple[tuple[str, ...], str, str]:
-        """Its identifier."""
+        """The identifier of the mate."""
         return self.owner, self.feature, self.copy
 
 
@@ -152,10 +159,10 @@ class MateRef:
 class Joint:
     """A parent link, a child link and the dofs between them, from parent to child.
 
-    The child's frame at q is `parent_from_joint @ Π dof.origin @ motion(dof, q)`. A mate is the chain
-    second entity → slides → turn → first entity; where the second is the child it runs `backwards`:
-    the dofs in reverse, each axis negated (a ball's quaternion conjugated), so that q keeps the mate's
-    own meaning. `mate` is None for a joint that CAD does not have.
+    parent_from_child at q is `parent_from_joint @ Π dof.origin @ motion(dof, q)`. A mate is the chain second
+    entity → slides → turn → first entity. If the second entity is on the child, the chain runs `backwards`:
+    the dofs are in reverse order and each axis is negated (a ball's quaternion is conjugated), so that q has
+    the same meaning as in the mate. `mate` is None for a joint without a mate.
     """
 
     name: str
@@ -172,10 +179,10 @@ class Joint:
 class Loop:
     """A mate that closes a loop and is not in the tree.
 
-    The mate's first entity is on `link_a` at `a_from_frame`, its second on `link_b` at `b_from_frame`: closed
-    where world_from_a @ a_from_frame is world_from_b @ b_from_frame @ Π dof.origin @ motion(dof, q) for some
-    q. `lever` [m] is a length on the loop's own scale; `solref` is MuJoCo's. `residual` [m, rad] is the
-    closure error at the saved pose.
+    The mate's first entity is on `link_a` at `a_from_frame`, its second on `link_b` at `b_from_frame`. The
+    loop is closed if world_from_a @ a_from_frame equals world_from_b @ b_from_frame @ Π dof.origin @
+    motion(dof, q) for some q. `lever` [m] is a length of the scale of the loop, `solref` is that of MuJoCo,
+    and `residual` [m, rad] is the error of the closure at the saved pose.
     """
 
     name: str
@@ -193,7 +200,7 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A relation: `follower` = multiplier · `driver` + offset, by names of dofs."""
+    """A relation of two dofs by their names: `follower` = multiplier · `driver` + offset [rad or m]."""
 
     name: str
     follower: str
@@ -204,7 +211,8 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """A named pose: the values [rad or m] of the dofs that it gives, in the order of the dofs."""
+    """A named pose. `given`: (dof, value [rad or m]) for the dofs that the user gives, in the order of the
+    dofs."""
 
     name: str
     given: tuple[tuple[str, float], ...]
@@ -218,31 +226,31 @@ class Frame:
     link: str
     link_from_frame: Array
     source: str
-    """The mate connector's name as typed; "" without a connector."""
+    """Name of the mate connector in CAD; "" without a connector."""
     joint: str = ""
-    """Name of the fixed joint that holds it in the source; "" for none."""
+    """Name of the fixed joint that holds the frame in the source; "" without such a joint."""
 
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """How the root link is connected to the world."""
+    """The connection of the root link to the world."""
 
     fixed: bool
-    """Whether it is fixed to the world."""
+    """Whether the root link is fixed to the world."""
     reason: str
-    """Why."""
+    """Why it is fixed or not, in words."""
     joint: str = ""
-    """Name in the source of the joint by which it floats; "" for no name."""
+    """Name of the joint in the source by which it floats; "" without a name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """The document of this robot, without the kind of source and the host.
+    """The document that a robot comes from, without the kind of source and the host.
 
-    document: id of the document.
-    element: id of its tab.
-    microversion: state of the document.
-    configuration: configuration of the assembly.
+    document: the id of the document.
+    element: the id of the tab with the assembly.
+    microversion: the state of the document.
+    configuration: the configuration of the assembly.
     """
 
     document: str
@@ -253,23 +261,23 @@ class Provenance:
 
 @dataclass(frozen=True, slots=True)
 class Mobility:
-    """The mobility of a mechanism."""
+    """The mobility of a robot."""
 
     coordinates: int
-    """Dofs of the tree."""
+    """Number of coordinates of the tree."""
     gruebler: int
-    """Coordinates less the conditions of relations and loops, counted as if all were independent."""
+    """`coordinates` minus the number of conditions of relations and loops, as if all were independent."""
     dof: int
-    """Coordinates less the rank of these conditions at the saved pose."""
+    """`coordinates` minus the rank of these conditions at the saved pose."""
     redundant: tuple[tuple[str, int], ...]
-    """(loop, number of its conditions that follow from others)."""
+    """(loop, number of its conditions that depend on others)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot:
     """A robot, with links and joints in tree order: the root first, a parent before its children. A root link
-    called `world` is the assembly's origin. Names are unique among links, among joints and dofs (those of
-    loops too), among frames, and among loops and relations."""
+    called `world` is the assembly's origin. Names are unique among links, among joints and dofs (including
+    those of loops), among frames, and among loops and relations."""
 
     name: str
     links: tuple[Link, ...]
@@ -285,17 +293,17 @@ class Robot:
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
-    """Texts of the <transmission>s and <ros2_control>s of the source's URDF."""
+    """The elements <transmission> and <ros2_control> of the source's URDF, as text."""
     actuators: tuple[Actuator, ...] = ()
-    """Those of the source."""
+    """The actuators of the source."""
     sensors: tuple[Sensor, ...] = ()
-    """Those of the source."""
+    """The sensors of the source."""
     keyframes: tuple[Keyframe, ...] = ()
-    """Poses that the user gives; `home` may be among them."""
+    """The poses that the user gives; `home` may be among them."""
     semantics: RobotSemantics = NO_SEMANTICS
-    """Content of the source's SRDF."""
+    """The content of the source's SRDF."""
     mjcf: MjcfExtras | None = None
-    """Extras of an MJCF source."""
+    """The extras of an MJCF source; None for other sources."""
 
     @property
     def root(self) -> Link:
@@ -304,9 +312,9 @@ class Robot:
 
     @property
     def dofs(self) -> tuple[Dof, ...]:
-        """All coordinates, in the order of the joints."""
+        """The coordinates of the tree, in the order of the joints."""
         return tuple(dof for joint in self.joints for dof in joint.dofs)
 
     def link(self, name: str) -> Link:
-        """Returns the link with a name."""
+        """Returns the link with this name, which must exist."""
         return next(link for link in self.links if link.name == name)

@@ -3,17 +3,17 @@
 from dataclasses import dataclass
 
 NEVER = "Never"
-"""The reason of pairs of links that are said never to touch; it takes no contact away."""
+"""The reason of pairs of links that never touch: their contact need not be excluded."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointGroup:
-    """Joints that are planned for together.
+    """Joints whose motion is planned together.
 
-    name: unique among groups.
-    joints: the names of their dofs.
-    base: the link at the beginning of the group's chain; "" where it is no chain.
-    tip: the link at the end of the group's chain; "" where it is no chain.
+    name: a name that is unique among groups.
+    joints: the names of the dofs.
+    base: the link at the beginning of the group's chain; "" if it is not a chain.
+    tip: the link at the end of the group's chain; "" if it is not a chain.
     """
 
     name: str
@@ -26,10 +26,10 @@ class JointGroup:
 class EndEffector:
     """A tool or a hand.
 
-    name: unique among end effectors.
-    group: its joints.
+    name: a name that is unique among end effectors.
+    group: the group of its joints.
     parent_link: the link or frame that carries it.
-    parent_group: the arm that moves it; "" where that is not said.
+    parent_group: the group of the arm that moves it; "" if the SRDF does not say.
     """
 
     name: str
@@ -42,9 +42,9 @@ class EndEffector:
 class DisabledPair:
     """Two links whose collisions are not checked.
 
-    link_a: the first.
-    link_b: the second.
-    reason: as the source has it; "" for none.
+    link_a: the first link.
+    link_b: the second link.
+    reason: the reason in the source; "" without a reason.
     """
 
     link_a: str
@@ -53,7 +53,7 @@ class DisabledPair:
 
     @property
     def touches(self) -> bool:
-        """Whether the links may touch, so that their contact has to be left out."""
+        """Whether the links may touch, so that their contact must be excluded."""
         return self.reason != NEVER
 
 
@@ -61,8 +61,8 @@ class DisabledPair:
 class VirtualJoint:
     """The joint that places the root in the world.
 
-    name: as the source has it.
-    parent_frame: what the source calls the world.
+    name: the name in the source.
+    parent_frame: the source's name of the world.
     """
 
     name: str
@@ -71,13 +71,13 @@ class VirtualJoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotSemantics:
-    """The content of a source's SRDF, by the robot's names; empty where the robot has no SRDF.
+    """The content of a source's SRDF, by the robot's names; empty without an SRDF.
 
-    groups: joints that are planned for together.
-    end_effectors: tools and hands.
-    passive: dofs that nothing drives.
-    disabled: pairs of links whose collisions are not checked.
-    virtual_joint: the joint that places the root in the world; null where that is not said.
+    groups: the groups of joints whose motion is planned together.
+    end_effectors: the tools and hands.
+    passive: the dofs that nothing drives.
+    disabled: the pairs of links whose collisions are not checked.
+    virtual_joint: the joint that places the root in the world; null if the SRDF does not say.
     """
 
     groups: tuple[JointGroup, ...] = ()

@@ -1,4 +1,4 @@
-"""Tells the number of values of each kind of MuJoCo sensor, and their units."""
+"""Lists the number of values of each kind of MuJoCo sensor, and their units."""
 
 from collections.abc import Mapping
 
@@ -15,11 +15,13 @@ DIMENSIONS: Mapping[str, int] = {
     **dict.fromkeys(("ballquat", "framequat"), 4),
     "fromto": 6,
 }
-"""Element → the number of its values; other elements depend on their attributes."""
+"""Element of MJCF → the number of its values. For elements that are not listed, and for a rangefinder with a
+camera or `data`, the number depends on the attributes."""
 
 QUATERNION = "quaternion (w, x, y, z)"
+"""The unit of a rotation."""
 
-_ALWAYS: Mapping[str, str] = {
+_FIXED_UNITS: Mapping[str, str] = {
     **dict.fromkeys(("touch", "force"), "N"),
     **dict.fromkeys(("rangefinder", "distance", "framepos", "subtreecom", "fromto"), "m"),
     **dict.fromkeys(("velocimeter", "framelinvel", "subtreelinvel"), "m/s"),
@@ -36,19 +38,20 @@ _ALWAYS: Mapping[str, str] = {
     "clock": "s",
 }
 
-_OF_A_DOF: Mapping[str, str] = {"pos": "{}", "vel": "{}/s", "frc": "{force}"}
-"""Ending of the name of a sensor of a joint or actuator → its unit."""
+_UNITS_BY_ENDING: Mapping[str, str] = {"pos": "{}", "vel": "{}/s", "frc": "{force}"}
+"""Last three letters of an element for a joint or actuator → its unit, as a pattern with the units of the
+value and of the force."""
 
 LENGTHS: Mapping[str, tuple[str, str]] = {"turn": ("rad", "N m"), "slide": ("m", "N")}
 """Kind of dof → units of its value and of its force."""
 
 
 def unit_of(kind: str, dof: str) -> str | None:
-    """Returns the unit of a sensor of MJCF's type `kind`, on a dof of the kind `dof` ("" for none); None
-    where it is not known."""
-    if kind in _ALWAYS:
-        return _ALWAYS[kind]
+    """Returns the unit of a sensor; None if it is unknown. `kind`: the sensor's element; `dof`: the kind of
+    its dof, "" without a dof."""
+    if kind in _FIXED_UNITS:
+        return _FIXED_UNITS[kind]
     if not kind.startswith(("joint", "actuator")) or dof not in LENGTHS:
         return None
     value, force = LENGTHS[dof]
-    return _OF_A_DOF[kind[-3:]].format(value, force=force)
+    return _UNITS_BY_ENDING[kind[-3:]].format(value, force=force)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 class Transmission:
     """A transmission of the source.
 
-    name: as in the source.
+    name: the name in the source.
     joint: the name of the dof that it moves.
-    type: as in the source; for a ros2_control, its plugin.
+    type: the type in the source; the plugin of a transmission of <ros2_control>.
     reduction: turns of the actuator for each turn of the joint; 1 if the source gives none.
-    interfaces: hardware or command interfaces, as the source names them.
+    interfaces: the hardware or command interfaces, by the source's names.
     """
 
     name: str

@@ -9,7 +9,7 @@ from linkwright.stages.graph.section import JointSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot
 from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
-from linkwright.stages.robot.quantity_keys import TypedNumber, as_typed, misfit
+from linkwright.stages.robot.quantity_keys import TypedNumber, misfit, unit_hint
 from linkwright.stages.robot.text.globs import matches_glob, no_match_hint
 
 LIMIT_TOLERANCE = 1e-6
@@ -70,7 +70,7 @@ def _check_glob(
             log.report("E-GLOB", text, "joints", f"name one of its dofs: {names}")
             return
         hint = no_match_hint(glob, {"joints": [dof.name for joint in joints for dof in joint.dofs]})
-        log.unmatched("E-GLOB", f"no joint matches {glob!r}", "joints", hint, glob)
+        log.report_unmatched("E-GLOB", f"no joint matches {glob!r}", "joints", hint, glob)
     _check_units(glob, section, dofs, log)
     _check_limits(glob, section, dofs, log)
 
@@ -97,7 +97,7 @@ def _check_units(glob: str, section: JointSection, dofs: Sequence[Dof], log: Dia
         wrong = [(text, dof) for value in values for dof in dofs if (text := misfit(value, dof.kind))]
         for text, dof in wrong[:1]:
             text = f"{key} of {glob!r}: {text}, and {dof.name} is a {dof.kind}"
-            log.report("E-JOINT", text, "joints", as_typed(dof.kind))
+            log.report("E-JOINT", text, "joints", unit_hint(dof.kind))
         _report_large(key, glob, [value for value in values if value is not None], dofs, log)
 
 
