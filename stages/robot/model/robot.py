@@ -60,12 +60,11 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class MeshRef:
-    """A reference to a part's triangles."""
+    """A reference to a part's triangles: the digest of a reply or file of the bundle, and the part's id in
+    it."""
 
     reply: str
-    """Digest of the reply or file in the bundle."""
     part: str
-    """Id of the part in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,15 +136,13 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class MateRef:
-    """A reference to the mate in CAD that a joint or loop comes from."""
+    """The mate in CAD that a joint or loop comes from, by the id of its feature, its name and its type."""
 
     owner: tuple[str, ...]
     """Path of the assembly that has the mate."""
     feature: str
-    """Id of the mate."""
     name: str
     type: str
-    """Type of the mate in CAD."""
     copy: str = ""
     """The instance for which a pattern or mirror repeats the mate; "" for the mate itself."""
 
