@@ -50,8 +50,7 @@ an MJCF."""
 @dataclass(frozen=True, slots=True, eq=False)
 class Inertial:
     """The mass [kg], the centre of mass (3,) [m] and the inertia about it (3, 3) [kg m²] of a body, in the
-    frame of its owner. The off-diagonal entries of the inertia are −∫xy dm.
-    """
+    frame of its owner. The off-diagonal entries of the inertia are −∫xy dm."""
 
     mass: float
     com: Array
@@ -96,8 +95,7 @@ class Part:
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
-"""The kind of a primitive. Only a shape of an MJCF can be an ellipsoid (`geometry.Shape.ellipsoid`), never
-one of `Link.shapes`."""
+"""The kind of a primitive. No link has an ellipsoid: only `geometry.Shape.ellipsoid` is one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,8 +126,7 @@ class Link:
     path: tuple[str, ...]
     """Path of the occurrence that the link is named by."""
     given: Inertial | None = None
-    """The inertial that replaces the sum of the parts, as the user gives it or raised to the minimum of
-    engines; None for the sum."""
+    """The inertial in place of the sum of the parts, by the user or raised to the minimum of engines."""
     shapes: tuple[Primitive, ...] = ()
     """The primitives of the link, beside its parts."""
 
