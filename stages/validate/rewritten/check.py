@@ -45,9 +45,8 @@ def rewritten(
         findings = (*wrong, *(difference.finding for difference, weight in weighed if weight == "warning"))
         yield _check(f"{path}: text", findings, levels[bool(wrong)], "equals what a build writes")
     # In the order of paths alone, a subfolder may be between the files of its folder.
-    for place, paths in groupby(
-        sorted(grouped, key=_folder_and_path), lambda path: _folder_and_path(path)[0]
-    ):
+    grouped.sort(key=lambda path: (_folder(path), path))
+    for place, paths in groupby(grouped, _folder):
         files = [*paths]
         findings = tuple(
             replace(difference.finding, element=named("file", PurePosixPath(path).name))
@@ -58,8 +57,8 @@ def rewritten(
         yield _check(f"{place}: copies", findings, levels[1], detail)
 
 
-def _folder_and_path(path: str) -> tuple[str, str]:
-    return str(PurePosixPath(path).parent), path
+def _folder(path: str) -> str:
+    return str(PurePosixPath(path).parent)
 
 
 def _check(name: str, findings: tuple[Finding, ...], level: CheckLevel, passed: str) -> Check:

@@ -9,6 +9,7 @@ from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
 from linkwright.stages.robot.model.robot import Frame
 from linkwright.stages.validate.readiness.finished import FinishedRobot
+from linkwright.stages.validate.readiness.joints import ground_height
 from linkwright.stages.validate.readiness.points import POINTS
 from linkwright.stages.validate.readiness.score import MISSING, NOT_APPLICABLE, PASSED, score
 from tests.support.building import plan_of, write
@@ -55,6 +56,12 @@ def verdicts(robot, folder, **more):
 def test_there_are_thirty_five():
     assert [point.number for point in POINTS] == list(range(1, 36))
     assert len({point.title for point in POINTS}) == 35
+
+
+def test_ground_is_the_first_level_plane():
+    planes = '<geom type="plane" size="1 1 1" euler="9 0 0"/><geom type="plane" size="1 1 1" pos="0 0 .5"/>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{planes}</worldbody></mujoco>")
+    assert ground_height(model) == 0.5
 
 
 def test_good_robot_misses_nothing(good):
