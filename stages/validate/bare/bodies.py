@@ -9,7 +9,7 @@ from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.bare.figures import Lump, ShapeFigures
 from linkwright.stages.validate.bare.findings import CodedFinding
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.model.body_shapes import directions
+from linkwright.stages.validate.model.body_shapes import measured_directions
 from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS, MAX_MARKER_SIZE, ShapedInertial
 
 MAX_MASS_RATIO = 1000.0
@@ -92,7 +92,7 @@ def _misplaced(lump: Lump) -> Iterator[tuple[bool, Finding]]:
 def _surface_distance(solid: Sequence[Array], seen: Array) -> float:
     """Returns the distance [m] by which colliders reach beyond the visual shapes, or leave them uncovered.
     `solid`: the points (n, 3) of each collider; `seen`: the points (m, 3) of the visual shapes."""
-    axes = directions()
+    axes = measured_directions()
     along = seen @ axes.T
     ends = [((points @ axes.T).max(axis=0), (points @ axes.T).min(axis=0)) for points in solid]
     beyond = max(

@@ -41,7 +41,7 @@ def _obj_damage(data: bytes) -> str:
             face_count += 1
             try:
                 largest_index = max(largest_index, *(int(word.split(b"/")[0]) for word in line.split()[1:]))
-            except (ValueError, TypeError):
+            except (ValueError, TypeError):  # TypeError: a face without corners
                 return "has a face that cannot be read"
         elif line.startswith(b"v ") and (b"nan" in line.lower() or b"inf" in line.lower()):
             return "has points that are not finite"

@@ -29,16 +29,16 @@ def model_config(folder: Path, robot: str) -> Iterator[Check]:
 
 
 def _findings(folder: Path, root: Element, expected: str) -> Iterator[Finding]:
-    sdfs = {(node.text or "").strip(): node for node in root.findall("sdf")}
-    for name, node in sdfs.items():
+    nodes_by_name = {(node.text or "").strip(): node for node in root.findall("sdf")}
+    for name, node in nodes_by_name.items():
         if not name or not (folder / name).is_file():
             yield Finding("sdf", "", f'"{name}" does not exist, expected "{expected}"')
             continue
         version = _version(folder / name)
         if version and node.get("version") != version:
             yield differs("sdf", "version", node.get("version"), version)
-    if expected not in sdfs and all((folder / name).is_file() for name in sdfs):
-        yield Finding("sdf", "", f'names {", ".join(sdfs) or "none"}, expected "{expected}"')
+    if expected not in nodes_by_name and all((folder / name).is_file() for name in nodes_by_name):
+        yield Finding("sdf", "", f'names {", ".join(nodes_by_name) or "none"}, expected "{expected}"')
 
 
 def _version(path: Path) -> str:

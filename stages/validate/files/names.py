@@ -21,18 +21,22 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
     urdf = document.language == "urdf"
     first_by_name: dict[tuple[str, str], Element] = {}
     for kind, name, element in _named_elements(document.root, urdf):
-        other: Element = first_by_name.setdefault((kind, name), element)
+        first_element: Element = first_by_name.setdefault((kind, name), element)
         if element in document.included:
             continue
-        wrong = _illegal(name)
-        if wrong:
-            yield document.finding(element, _attribute(element), wrong)
-        if other is not element:
-            first_place = f"line {other.sourceline}" if other.sourceline else title_of(other)
-            if other in document.included:
-                first_place = f"{document.included[other].name}, {first_place}"
+        flaw = _flaw_of_name(name)
+        if flaw:
+            yield document.finding(element, _naming_attribute(element), flaw)
+        if first_element is not element:
+            first_place = (
+                f"line {first_element.sourceline}" if first_element.sourceline else title_of(first_element)
+            )
+            if first_element in document.included:
+                first_place = f"{document.included[first_element].name}, {first_place}"
             yield document.finding(
-                element, _attribute(element), f'another {kind} is called "{name}" too, in {first_place}'
+                element,
+                _naming_attribute(element),
+                f'another {kind} is called "{name}" too, in {first_place}',
             )
     if urdf:
         for element in document.root:
@@ -48,13 +52,13 @@ def _named_elements(root: Element, urdf: bool) -> Iterator[tuple[str, str, Eleme
                 yield str(element.tag), stem(element), element
 
 
-def _attribute(element: Element) -> str:
+def _naming_attribute(element: Element) -> str:
     if element.tag == "default":
         return "class"
     return "name" if element.get("name") else "file"
 
 
-def _illegal(name: str) -> str:
+def _flaw_of_name(name: str) -> str:
     if name != name.strip():
         return f"the name {name!r} begins or ends with white space"
     if not name.isprintable():

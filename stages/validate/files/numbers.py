@@ -24,7 +24,7 @@ URDF_COUNTS: dict[str, dict[str, int]] = {
 }
 """Number of numbers in each attribute of a URDF, by element."""
 
-REQUIRED = {
+REQUIRED_ATTRIBUTES = {
     "mass": ("value",),
     "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
     "box": ("size",),
@@ -67,66 +67,73 @@ NAME_ATTRIBUTES = frozenset(
 )
 """Attributes of an MJCF that are names, although they may look like numbers."""
 
-_MAY_BE_INFINITE = ("range", "limit", "lower", "upper", "effort", "velocity")
+_INFINITE_ENDINGS = ("range", "limit", "lower", "upper", "effort", "velocity")
+"""Ends of the names of attributes that may be infinite."""
 
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
     """Yields findings on numbers that are malformed, infinite or missing, and on wrong counts."""
     for element in document.elements():
         if document.language == "urdf":
-            yield from _of_urdf(document, element)
+            yield from _urdf_findings(document, element)
         else:
-            yield from _of_mjcf(document, element)
+            yield from _mjcf_findings(document, element)
 
 
-def _of_urdf(document: ModelDocument, element: Element) -> Iterator[Finding]:
-    name_of_tag = tag(element)
-    counts = URDF_COUNTS.get(name_of_tag, {})
-    above = element.getparent()
-    if above is None or tag(above) not in _PARENTS.get(name_of_tag, (tag(above),)):
+def _urdf_findings(document: ModelDocument, element: Element) -> Iterator[Finding]:
+    """Yields the flaws of an element whose parent is that of a URDF."""
+    tag_name = tag(element)
+    counts = URDF_COUNTS.get(tag_name, {})
+    parent = element.getparent()
+    if parent is None or tag(parent) not in _PARENTS.get(tag_name, (tag(parent),)):
         return
-    for name in REQUIRED.get(name_of_tag, ()):
+    for name in REQUIRED_ATTRIBUTES.get(tag_name, ()):
         if not element.get(name, "").strip():
-            yield document.finding(element, name, f'<{name_of_tag}> needs {name}="..."')
+            yield document.finding(element, name, f'<{tag_name}> needs {name}="..."')
     for name, expected in counts.items():
         words = element.get(name, "").replace(",", " ").split()
         if words:
-            yield from _wrong(document, element, name, words, expected)
+            yield from _number_findings(document, element, name, words, expected)
 
 
 _PARENTS = {"limit": ("joint",), "mass": ("inertial",), "axis": ("joint",), "mesh": ("geometry",)}
 """Tag → parents that it has in a URDF, for tags with other meanings elsewhere."""
 
 
-def _of_mjcf(document: ModelDocument, element: Element) -> Iterator[Finding]:
+def _mjcf_findings(document: ModelDocument, element: Element) -> Iterator[Finding]:
     in_bodies = any(ancestor.tag in ("worldbody", "actuator") for ancestor in element.iterancestors())
     for name, text in element.attrib.items():
         if name in NAME_ATTRIBUTES:
             continue
         words = text.split()
+        # Elsewhere, attributes of these names may have other counts.
         expected = MJCF_COUNTS.get(name) if in_bodies and element.tag != "composite" else None
-        if expected is None and not any(value is not None for value in map(_value, words)):
+        if expected is None and not any(value is not None for value in map(_parsed_number, words)):
             continue
-        yield from _wrong(document, element, name, words, expected)
+        yield from _number_findings(document, element, name, words, expected)
 
 
-def _wrong(
+def _number_findings(
     document: ModelDocument, element: Element, name: str, words: list[str], expected: int | None
 ) -> Iterator[Finding]:
-    values = [_value(word) for word in words]
-    infinite = name.endswith(_MAY_BE_INFINITE)
+    """Yields the first flaw of an attribute that must have numbers. `words`: its value, split at white space;
+    `expected`: the expected count of numbers, None for any."""
+    values = [_parsed_number(word) for word in words]
+    may_be_infinite = name.endswith(_INFINITE_ENDINGS)
     for word, value in zip(words, values, strict=True):
         if value is None:
             yield document.finding(element, name, f'"{word}" is not a number')
             return
-        if math.isnan(value) or (math.isinf(value) and not infinite):
+        if math.isnan(value) or (math.isinf(value) and not may_be_infinite):
             yield document.finding(element, name, f'"{word}" is not a finite number')
             return
     if expected is not None and len(words) != expected:
         yield document.finding(element, name, f"expected {expected} numbers, got {len(words)}")
 
 
-def _value(word: str) -> float | None:
+def _parsed_number(word: str) -> float | None:
+    """Returns the number that a word is; None for any other word."""
+    # Python reads 1_000 as a number, but no reader of models does.
     if "_" in word:
         return None
     try:

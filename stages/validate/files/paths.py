@@ -21,29 +21,31 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
     for file in referenced_files(document):
         if file.element in document.included:
             continue
-        of_package = is_of_package(file.text)
-        text = file.text.partition("://")[2].lstrip("/") if of_package else file.text
-        wrong = _leads_out(text, document)
+        is_in_package = is_of_package(file.text)
+        # `package:///a.stl`, without a package's name, is not absolute either.
+        text = file.text.partition("://")[2].lstrip("/") if is_in_package else file.text
+        flaw = _flaw_of_path(text, document)
         if file.path is None:
-            wrong = f'no folder of a package "{package_of(file.text)}" has this file'
-        if wrong:
-            yield document.finding(file.element, file.attribute, f'"{file.text}": {wrong}')
+            flaw = f'no folder of a package "{package_of(file.text)}" has this file'
+        if flaw:
+            yield document.finding(file.element, file.attribute, f'"{file.text}": {flaw}')
     if document.language == "mjcf":
-        yield from _folders(document)
+        yield from _folder_findings(document)
 
 
-def _folders(document: ModelDocument) -> Iterator[Finding]:
+def _folder_findings(document: ModelDocument) -> Iterator[Finding]:
     for compiler in document.root.iterfind("compiler"):
         for name in ("meshdir", "texturedir", "assetdir"):
-            wrong = _leads_out(compiler.get(name, ""), document)
-            if wrong and compiler not in document.included:
-                yield document.finding(compiler, name, f'"{compiler.get(name)}": {wrong}')
+            flaw = _flaw_of_path(compiler.get(name, ""), document)
+            if flaw and compiler not in document.included:
+                yield document.finding(compiler, name, f'"{compiler.get(name)}": {flaw}')
 
 
-def _leads_out(text: str, document: ModelDocument) -> str:
-    plain = PurePosixPath(text)
-    if text.startswith("file://") or plain.is_absolute() or PureWindowsPath(text).drive:
+def _flaw_of_path(text: str, document: ModelDocument) -> str:
+    """Returns a text on why a path is not valid elsewhere; "" for a valid path."""
+    pure_path = PurePosixPath(text)
+    if text.startswith("file://") or pure_path.is_absolute() or PureWindowsPath(text).drive:
         return "an absolute path, which is of one computer"
-    if ".." in plain.parts and not document.foreign:
+    if ".." in pure_path.parts and not document.foreign:
         return "it leads out of the model's folder"
     return ""

@@ -24,11 +24,10 @@ MJCF_REFERENCES = {
         for name in ("mesh", "material", "hfield", "texture", "tendon", "geom", "camera", "actuator")
     },
     **dict.fromkeys(("joint", "joint1", "joint2", "jointinparent"), "joint"),
-    **dict.fromkeys(("site", "site1", "site2", "cranksite", "slidersite", "refsite"), "site"),
-    **dict.fromkeys(("geom1", "geom2", "sidesite"), "geom"),
+    **dict.fromkeys(("site", "site1", "site2", "cranksite", "slidersite", "refsite", "sidesite"), "site"),
+    **dict.fromkeys(("geom1", "geom2"), "geom"),
     **dict.fromkeys(("body", "body1", "body2", "subtree1", "subtree2", "target"), "body"),
     **dict.fromkeys(("tendon1", "tendon2"), "tendon"),
-    "sidesite": "site",
 }
 """Attribute of an MJCF → kind of thing that it names."""
 
@@ -41,29 +40,30 @@ MJCF_SECTIONS = frozenset(
 """Sections of an MJCF in which these attributes are names."""
 
 _KIND_OF_OBJECT = {"xbody": "body"}
+"""Type of a sensor's object → kind of thing, where the two differ."""
 
 
 def level(document: ModelDocument) -> CheckLevel:
     """Returns the level of the findings: a warning if another program's URDF lacks only a colour, or the
     joint of a transmission, which readers accept."""
     tolerated = document.foreign and document.language == "urdf"
-    return "warning" if tolerated and not any(_of_joints(document)) else "error"
+    return "warning" if tolerated and not any(_joint_findings(document)) else "error"
 
 
 def findings(document: ModelDocument) -> Iterator[Finding]:
     """Yields findings on references to missing things, with the nearest name of the same kind."""
     if document.language == "urdf":
-        yield from _of_joints(document)
-        yield from _of_colours_and_transmissions(document)
+        yield from _joint_findings(document)
+        yield from _colour_and_transmission_findings(document)
     else:
-        yield from _of_mjcf(document)
+        yield from _mjcf_findings(document)
 
 
 def _urdf_names(document: ModelDocument, kind: str) -> set[str]:
     return {name for other, name, _ in names(document.root, True) if other == kind}
 
 
-def _of_joints(document: ModelDocument) -> Iterator[Finding]:
+def _joint_findings(document: ModelDocument) -> Iterator[Finding]:
     names_of_kind = {kind: _urdf_names(document, kind) for kind in ("link", "joint")}
     for joint in document.root.iterfind("joint"):
         for role in ("parent", "child"):
@@ -73,38 +73,45 @@ def _of_joints(document: ModelDocument) -> Iterator[Finding]:
     for element in document.root.iterfind("joint/*"):
         for (name, attribute), kind in URDF_REFERENCES.items():
             if tag(element) == name and element.get(attribute, "").strip():
-                yield from _missing(
+                yield from _finding_if_missing(
                     document, element, attribute, kind, element.get(attribute), names_of_kind[kind]
                 )
 
 
-def _of_colours_and_transmissions(document: ModelDocument) -> Iterator[Finding]:
+def _colour_and_transmission_findings(document: ModelDocument) -> Iterator[Finding]:
     joints = _urdf_names(document, "joint")
     for element in document.root.iterfind("transmission/joint"):
-        yield from _missing(document, element, "name", "joint", element.get("name", ""), joints)
+        yield from _finding_if_missing(document, element, "name", "joint", element.get("name", ""), joints)
     materials = {
         node.get("name", "") for node in document.root.iter("material") if len(node) and node.get("name")
     }
     for element in document.root.iterfind("link/visual/material"):
         if not len(element) and element.get("name"):
-            yield from _missing(document, element, "name", "material", element.get("name"), materials)
+            yield from _finding_if_missing(
+                document, element, "name", "material", element.get("name"), materials
+            )
 
 
-def _of_mjcf(document: ModelDocument) -> Iterator[Finding]:
+def _mjcf_findings(document: ModelDocument) -> Iterator[Finding]:
     root = document.root
     names_by_kind = _names_by_kind(root)
-    generated = any(element.tag in MAKERS for element in root.iter())
+    # Elements of these kinds may make things that the text does not name.
+    has_makers = any(element.tag in MAKERS for element in root.iter())
     for element in document.elements():
         section = section_of(element)
         if section not in MJCF_SECTIONS or element.tag in MAKERS or element.tag == "bone":
             continue
         for attribute, text in element.attrib.items():
             kind = _kind(element, attribute, section)
-            if kind and text.strip() and not (generated and kind not in ("default", "mesh", "material")):
-                yield from _missing(document, element, attribute, kind, text, names_by_kind.get(kind, set()))
+            if kind and text.strip() and not (has_makers and kind not in ("default", "mesh", "material")):
+                yield from _finding_if_missing(
+                    document, element, attribute, kind, text, names_by_kind.get(kind, set())
+                )
 
 
 def _names_by_kind(root: Element) -> dict[str, set[str]]:
+    """Returns the names of an MJCF by kind, with those that MuJoCo gives: `world`, `main`, and names of
+    assets."""
     by_kind: dict[str, set[str]] = {"body": {"world"}, "default": {"main"}}
     for kind, name, _ in names(root, False):
         by_kind.setdefault(kind, set()).add(name)
@@ -128,12 +135,13 @@ def _kind(element: Element, attribute: str, section: str) -> str:
     return MJCF_REFERENCES.get(attribute, "")
 
 
-def _missing(
-    document: ModelDocument, element: Element, attribute: str, kind: str, name: str, names: set[str]
+def _finding_if_missing(
+    document: ModelDocument, element: Element, attribute: str, kind: str, name: str, existing: set[str]
 ) -> Iterator[Finding]:
-    if name in names:
+    """Yields a finding if the `existing` names of a kind lack the name to which an attribute refers."""
+    if name in existing:
         return
-    nearest = get_close_matches(name, sorted(names), 1)
+    nearest = get_close_matches(name, sorted(existing), 1)
     hint = f'; did you mean "{nearest[0]}"?' if nearest else ""
     word = "class" if kind == "default" else kind
     yield document.finding(element, attribute, f'there is no {word} "{name}"{hint}')

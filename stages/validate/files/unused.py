@@ -27,13 +27,13 @@ def unused_assets(folder: Path, documents: Iterable[ModelDocument], extras: Iter
         for file in referenced_files(document)
         if file.path is not None
     }
-    texts = [text for name in extras for text in _texts(folder / name)]
-    if not used and not texts:
+    paths_in_extras = [text for name in extras for text in _asset_paths(folder / name)]
+    if not used and not paths_in_extras:
         return
     findings = []
     for path in sorted(file for file in assets.rglob("*") if file.is_file()):
         name = path.relative_to(folder).as_posix()
-        if path.resolve() not in used and not any(text.endswith(name) for text in texts):
+        if path.resolve() not in used and not any(text.endswith(name) for text in paths_in_extras):
             findings.append(Finding(name, "", "no model of this folder names it"))
     detail = "every file in assets is named by a model"
     if findings:
@@ -45,7 +45,7 @@ def unused_assets(folder: Path, documents: Iterable[ModelDocument], extras: Iter
     yield Check(name, not findings, detail, float(len(findings)), 0.0, CODE, "warning", tuple(findings))
 
 
-def _texts(path: Path) -> set[str]:
+def _asset_paths(path: Path) -> set[str]:
     """Returns the paths of assets in a text of any format."""
     return {path.decode("utf-8", "replace") for path in _PATH.findall(path.read_bytes())}
 

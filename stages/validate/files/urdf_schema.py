@@ -43,7 +43,7 @@ _ANYWHERE = frozenset(
 """Elements that may be anywhere with any content, since other programs read them."""
 
 
-def _read() -> dict[str, Allowed]:
+def _parsed_table() -> dict[str, Allowed]:
     """Returns the table of elements: tag → the attributes and children that it may have."""
     table: dict[str, Allowed] = {}
     for line in _TABLE.strip().splitlines():
@@ -53,7 +53,7 @@ def _read() -> dict[str, Allowed]:
     return table
 
 
-_ALLOWED = _read()
+_ALLOWED = _parsed_table()
 
 
 def allowed(path: tuple[str, ...]) -> Allowed:

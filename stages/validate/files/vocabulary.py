@@ -23,15 +23,18 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
         path = [tag(node) for node in (*reversed(list(element.iterancestors())), element)]
         attributes, children = schema.allowed(tuple(path))
         if attributes is not None:
+            # A name with a namespace is another program's.
             for name in element.attrib:
                 if ":" not in name and not name.startswith("{") and name not in attributes:
                     message = f"<{tag(element)}> has no such attribute{_suggestion(name, attributes)}"
                     yield document.finding(element, name, message)
         if children is not None:
-            yield from _unknown(document, element, children)
+            yield from _unknown_children(document, element, children)
 
 
-def _unknown(document: ModelDocument, element: Element, children: frozenset[str]) -> Iterator[Finding]:
+def _unknown_children(
+    document: ModelDocument, element: Element, children: frozenset[str]
+) -> Iterator[Finding]:
     for child in element:
         name = tag(child)
         if child not in document.included and ":" not in name and name not in children:

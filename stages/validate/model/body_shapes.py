@@ -37,7 +37,7 @@ class BodyExtents:
     volume: float
     """The volume [m³] of a box that holds all points."""
 
-    meshes: bool
+    has_mesh: bool
     """Whether a mesh is among the shapes."""
 
 
@@ -46,32 +46,32 @@ def extents(model: Any, body: int) -> BodyExtents | None:
     or only infinite geoms such as planes."""
     first = int(model.body_geomadr[body])
     geoms = range(first, first + int(model.body_geomnum[body]))
-    meshes = bool((model.geom_type[first : geoms.stop] == mujoco.mjtGeom.mjGEOM_MESH).any())
-    return extents_of([geom_points(model, geom) for geom in geoms], meshes)
+    has_mesh = bool((model.geom_type[first : geoms.stop] == mujoco.mjtGeom.mjGEOM_MESH).any())
+    return extents_of([geom_points(model, geom) for geom in geoms], has_mesh)
 
 
-def extents_of(points: Sequence[Array], meshes: bool) -> BodyExtents | None:
-    """Returns the extents of the points (n, 3) of several shapes; None without points. `meshes`: whether a
+def extents_of(points: Sequence[Array], has_mesh: bool) -> BodyExtents | None:
+    """Returns the extents of the points (n, 3) of several shapes; None without points. `has_mesh`: whether a
     mesh is among the shapes."""
     if not sum(map(len, points)):
         return None
     outermost = outermost_of(np.concatenate(points))
-    return BodyExtents(outermost, math.hypot(*np.ptp(outermost, axis=0)), _volume(outermost), meshes)
+    return BodyExtents(outermost, math.hypot(*np.ptp(outermost, axis=0)), _volume(outermost), has_mesh)
 
 
 def outermost_of(points: Array) -> Array:
     """Returns those of the `points` (n, 3) that are the outermost in some direction, as (m, 3)."""
-    along = points @ directions().T
+    along = points @ measured_directions().T
     outermost: Array = points[np.unique(np.concatenate([along.argmax(axis=0), along.argmin(axis=0)]))]
     return outermost
 
 
 def geom_points(model: Any, geom: int) -> Array:
     """Returns points (n, 3) [m] in the body's frame whose hull contains a geom; empty for infinite geoms."""
-    kind = mujoco.mjtGeom(model.geom_type[geom])
-    if kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
+    geom_type = mujoco.mjtGeom(model.geom_type[geom])
+    if geom_type in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return np.zeros((0, 3))
-    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+    if geom_type == mujoco.mjtGeom.mjGEOM_MESH:
         local = vertices(model, geom)
         local = local[:: 1 + len(local) // MAX_VERTICES]
     else:
@@ -82,7 +82,7 @@ def geom_points(model: Any, geom: int) -> Array:
     return points
 
 
-def directions() -> Array:
+def measured_directions() -> Array:
     """Returns unit vectors (n, 3) spread evenly over a half of the sphere (Fibonacci's lattice), and the
     axes."""
     # Half of the sphere is enough, since the reach is measured in both senses of a direction.
@@ -106,9 +106,9 @@ def _volume(points: Array) -> float:
 def outside(shape: BodyExtents, point: Array) -> float:
     """Returns a lower bound of the distance [m] of a point (3,) from the hull; 0 within the hull, infinity
     for a NaN."""
-    axes = directions()
-    along, of_point = shape.points @ axes.T, axes @ point
-    beyond = np.maximum(of_point - along.max(axis=0), along.min(axis=0) - of_point)
+    axes = measured_directions()
+    along, point_along = shape.points @ axes.T, axes @ point
+    beyond = np.maximum(point_along - along.max(axis=0), along.min(axis=0) - point_along)
     return largest_error((0.0, float(beyond.max())))
 
 

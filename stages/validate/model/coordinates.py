@@ -29,6 +29,7 @@ from linkwright.stages.validate.model.poses import placed
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
 KINDS = {"turn": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
+"""Kind of dof → type of MuJoCo's joint."""
 
 DOFS_OF_TYPE = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
 """Degrees of freedom by the type of joint."""
@@ -46,9 +47,9 @@ ENGINE_TOLERANCE = 1e-9
 
 def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
     """Yields (name, type, dof) of every joint that a model must have, except a floating base."""
-    carried = [] if urdf else [loop for loop in robot.loops if loop.type not in BY_EQUALITY]
+    loops_with_carrier = [] if urdf else [loop for loop in robot.loops if loop.type not in BY_EQUALITY]
     turns = urdf_names(robot).turns
-    for dof in (*robot.dofs, *(dof for loop in carried for dof in loop.dofs)):
+    for dof in (*robot.dofs, *(dof for loop in loops_with_carrier for dof in loop.dofs)):
         if urdf and dof.kind == "ball":
             yield from ((name, HINGE, dof) for name in turns[dof.name])
         else:
@@ -78,7 +79,8 @@ def bodies_of_scene(model: Any, robot: Robot) -> frozenset[int]:
 
 
 def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool) -> None:
-    """Resets the data, sets the values `q` by the names of dofs and computes poses."""
+    """Resets the data, sets the values `q` by the names of dofs and computes poses. `q` has all dofs of the
+    robot and of its loops."""
     mujoco.mj_resetData(model, data)
     mujoco.mj_kinematics(model, data)
     numbers: dict[str, list[float]] = {}
@@ -170,7 +172,8 @@ def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
 
 
 def frame_pose(model: Any, data: Any, name: str, urdf: bool) -> Array:
-    """Returns the pose of a frame, which is a site, or a body in a URDF; NaN if it is missing."""
+    """Returns world_from_frame (4, 4) of a frame, which is a site, or a body in a URDF; NaN if the frame is
+    missing."""
     index = (body_index if urdf else site_index)(model, name)
     if index < 0:
         return np.full((4, 4), np.nan)
@@ -178,6 +181,7 @@ def frame_pose(model: Any, data: Any, name: str, urdf: bool) -> Array:
 
 
 def pose_of(data: Any, body: int) -> Array:
+    """Returns world_from_body (4, 4)."""
     pose = np.eye(4)
     pose[:3, :3] = data.xmat[body].reshape(3, 3)
     pose[:3, 3] = data.xpos[body]
@@ -185,8 +189,8 @@ def pose_of(data: Any, body: int) -> Array:
 
 
 def site_pose(model: Any, data: Any, site: int) -> Array:
-    """Returns the pose of a site, computed from its place on its body, since MuJoCo's kinematics merges
-    frames that differ by up to 1e-6."""
+    """Returns world_from_site (4, 4), computed from the site's place on its body, since MuJoCo's kinematics
+    merges frames that differ by up to 1e-6."""
     on_body = placed(model.site_quat[site], model.site_pos[site])
     return pose_of(data, int(model.site_bodyid[site])) @ on_body
 

@@ -49,10 +49,10 @@ def solver_differences(
     if not np.allclose(impedance_found, impedance, rtol=ENGINE_TOLERANCE) and not compiled.sets("solimp"):
         yield differs(element, "solimp", impedance_found, impedance)
     scale = float((by_source or {}).get("torquescale", 1.0))
-    weld = model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD
+    is_weld = model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD
     scale_found = float(model.eq_data[index][10])
     if (
-        weld
+        is_weld
         and not np.isclose(scale_found, scale, rtol=ENGINE_TOLERANCE)
         and not compiled.sets("torquescale")
     ):
@@ -63,21 +63,21 @@ def violation(model: Any, data: Any) -> float:
     """Returns the largest error of the equalities at a pose [m, rad]. The error of a relation is that of the
     joint that moves less."""
     rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    related = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
+    is_relation = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
     factors = np.abs(model.eq_data[data.efc_id[rows], 1])
-    scale = np.where(related, np.maximum(1.0, factors), 1.0)
+    scale = np.where(is_relation, np.maximum(1.0, factors), 1.0)
     return float(np.abs(data.efc_pos[rows] / scale).max(initial=0.0))
 
 
 def open_equalities(model: Any, data: Any) -> tuple[Finding, ...]:
     """Returns findings on the equalities that are violated at a pose, the largest error first."""
     rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    widest: dict[int, float] = {}
+    largest_errors: dict[int, float] = {}
     for row in rows:
         index = int(data.efc_id[row])
-        widest[index] = largest_error((widest.get(index, 0.0), abs(float(data.efc_pos[row]))))
+        largest_errors[index] = largest_error((largest_errors.get(index, 0.0), abs(float(data.efc_pos[row]))))
     findings = []
-    for index, value in widest.items():
+    for index, value in largest_errors.items():
         kind = mujoco.mjtEq(int(model.eq_type[index])).name.removeprefix("mjEQ_").lower()
         element = named(kind, model.equality(index).name)
         attribute = "polycoef" if kind == "joint" else "site1, site2"
@@ -104,10 +104,12 @@ def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
 
 
 def equality_index(model: Any, loop: Loop) -> int:
+    """Returns the index of a loop's equality; -1 if it is missing."""
     return index_of(model, mujoco.mjtObj.mjOBJ_EQUALITY, loop.name)
 
 
 def sites(model: Any, equality: int) -> tuple[int, int]:
+    """Returns the indices of the two sites of an equality, or of the two bodies if it names bodies."""
     return int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
 
 

@@ -122,7 +122,7 @@ def checks(file: str, bodies: Iterable[ShapedInertial]) -> Iterator[Check]:
 
 
 def _is_marker(shapes: BodyExtents) -> bool:
-    return shapes.size == 0.0 or (shapes.size < MAX_MARKER_SIZE and not shapes.meshes)
+    return shapes.size == 0.0 or (shapes.size < MAX_MARKER_SIZE and not shapes.has_mesh)
 
 
 def _results(name: str, judgements: Sequence[_Judgement], limit: float, words: str) -> Iterator[Check]:

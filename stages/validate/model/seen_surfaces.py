@@ -148,8 +148,8 @@ def _surface_of_revolution(outline: Array, turns: int) -> tuple[Array, Faces]:
     """Returns the surface of revolution of an outline (k, 2) of radii and heights, from one end of the z axis
     to the other."""
     angles = (np.arange(turns) + 0.5) * (2.0 * np.pi / turns)
-    round_ = np.column_stack([np.cos(angles), np.sin(angles)])
-    rings = [np.column_stack([radius * round_, np.full(turns, height)]) for radius, height in outline]
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    rings = [np.column_stack([radius * circle, np.full(turns, height)]) for radius, height in outline]
     at = np.arange(turns)
     after = (at + 1) % turns
     faces = []

@@ -102,14 +102,14 @@ def surface_points(model: Any, geoms: Sequence[int], number: int) -> Array:
     clouds = [np.empty((0, 3))]
     for geom in geoms:
         pose = placed(model.geom_quat[geom], model.geom_pos[geom])
-        corners = _corners(model, geom)
+        corners = _sample_points(model, geom)
         clouds.append(corners @ pose[:3, :3].T + pose[:3, 3])
     points = np.concatenate(clouds)
     indices = np.linspace(0, len(points) - 1, min(number, len(points))).astype(int)
     return np.asarray(points[indices])
 
 
-def _corners(model: Any, geom: int) -> Array:
+def _sample_points(model: Any, geom: int) -> Array:
     if model.geom_type[geom] == MESH:
         mesh = int(model.geom_dataid[geom])
         first, corners = int(model.mesh_faceadr[mesh]), vertices(model, geom)
@@ -168,8 +168,8 @@ def _outside_hull(model: Any, geom: int, points: Array) -> Array:
         return np.asarray(np.linalg.norm(np.maximum(np.abs(points - middle) - half, 0.0), axis=1))
     sizes = model.mesh_polyvertnum[first : first + number]
     start = int(model.mesh_polyvertadr[first])
-    rounds = corners[model.mesh_polyvert[start : start + int(sizes.sum())]]
-    normals, offsets = _planes(rounds, np.cumsum(sizes) - sizes)
+    polygon_corners = corners[model.mesh_polyvert[start : start + int(sizes.sum())]]
+    normals, offsets = _planes(polygon_corners, np.cumsum(sizes) - sizes)
     return np.asarray((points @ normals.T - offsets).max(axis=1))
 
 
@@ -181,10 +181,10 @@ def _planes(corners: Array, starts: npt.NDArray[np.integer]) -> tuple[Array, Arr
     corners, which may be a sliver.
     """
     # The next corner of each corner; after the last corner of a polygon comes its first.
-    nexts = np.arange(len(corners)) + 1
-    lasts = np.append(starts[1:], len(corners)) - 1
-    nexts[lasts] = starts
-    areas = np.add.reduceat(np.cross(corners, corners[nexts]), starts)
+    next_indices = np.arange(len(corners)) + 1
+    last_indices = np.append(starts[1:], len(corners)) - 1
+    next_indices[last_indices] = starts
+    areas = np.add.reduceat(np.cross(corners, corners[next_indices]), starts)
     normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), np.finfo(float).tiny)
     middles = np.add.reduceat(corners, starts) / np.diff(np.append(starts, len(corners)))[:, None]
     return normals, (normals * middles).sum(axis=1)
@@ -204,5 +204,5 @@ def is_bare_by_choice(compiled: CompiledModel, body: str) -> bool:
     """Tells whether the configuration gives the links of a body no collider, if that is known."""
     names = {name for name, (holder, _) in compiled.held.items() if holder == body} or {body}
     figures = compiled.geometry.colliders if compiled.geometry else ()
-    of_body = [figure for figure in figures if figure.link in names]
-    return bool(of_body) and all(figure.maker in NO_COLLIDER for figure in of_body)
+    body_figures = [figure for figure in figures if figure.link in names]
+    return bool(body_figures) and all(figure.maker in NO_COLLIDER for figure in body_figures)

@@ -86,7 +86,7 @@ class ReadMjcf(ReadCompiled):
         tags = {"link": "body", "frame": "site"}
         return named(tags.get(kind, "joint"), name)
 
-    def placed(self, joint: Joint) -> str:
+    def placing_element(self, joint: Joint) -> str:
         return link(joint.child, urdf=False)
 
     def zero(self, dof: Dof) -> tuple[float, float] | None:

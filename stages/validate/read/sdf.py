@@ -94,7 +94,7 @@ class ReadSdf(ReadRobot):
             pose = inverse(placed[joint.parent] @ joint.parent_from_joint) @ placed[joint.child]
             if joint.type == "free":
                 (dof,) = joint.dofs
-                values[dof.name] = _seven(inverse(dof.origin) @ pose)
+                values[dof.name] = _free_value(inverse(dof.origin) @ pose)
                 continue
             nearest = min((rest_values, start), key=lambda q: distance(chain(joint.dofs, q), pose))
             values |= {dof.name: nearest[dof.name] for dof in joint.dofs}
@@ -147,14 +147,14 @@ class ReadSdf(ReadRobot):
     def _motion(self, dof: Dof, value: Value, *, backwards: bool = False) -> Array:
         """Returns the motion (4, 4) of the frame of a dof's joint. `backwards`: whether the joint goes from
         the first link of a loop to the second."""
-        standing, axis = (
+        file_value, axis = (
             self.file_configuration[dof.name],
             self.model.joints[self.names.joints[dof.name]].axis,
         )
-        if isinstance(value, tuple) or isinstance(standing, tuple):
-            first, last = (motion(dof.kind, dof.axis, angle) for angle in (standing, value))
+        if isinstance(value, tuple) or isinstance(file_value, tuple):
+            first, last = (motion(dof.kind, dof.axis, angle) for angle in (file_value, value))
             return first @ inverse(last) if backwards else inverse(first) @ last
-        return motion(dof.kind, np.full(3, np.nan) if axis is None else axis, value - standing)
+        return motion(dof.kind, np.full(3, np.nan) if axis is None else axis, value - file_value)
 
     def parent(self, link: str) -> str:
         names = {title: name for name, title in self.names.links.items()}
@@ -173,7 +173,8 @@ class ReadSdf(ReadRobot):
                 types = ("fixed",) if dof is None else TYPES[dof.kind]
                 numbers, expected = self._numbers(read, dof)
                 if "lower" in expected and not np.isinf([expected["lower"], expected["upper"]]).all():
-                    types = types[:1]  # readers ignore the limits of a continuous joint
+                    # Readers ignore the limits of a continuous joint, so that it must be a revolute one.
+                    types = types[:1]
                 yield FoundJoint(name, named("joint", read.name), read.type, types, dof, numbers, expected)
 
     def _numbers(self, joint: ReadJoint, dof: Dof | None) -> tuple[Numbers, Numbers]:
@@ -214,17 +215,17 @@ class ReadSdf(ReadRobot):
         element, backwards = named("joint", joints[0].name), joints[-1].parent == first
         if backwards:
             joints, ends, pose = joints[::-1], (first, second), poses[loop.link_a]
-            implied = pose @ loop.a_from_frame @ inverse(turned) @ inverse(loop.b_from_frame)
+            expected_pose = pose @ loop.a_from_frame @ inverse(turned) @ inverse(loop.b_from_frame)
         else:
             ends, pose = (second, first), poses[loop.link_b]
-            implied = pose @ loop.b_from_frame @ turned @ inverse(loop.a_from_frame)
-        at_end: Array | None = None
+            expected_pose = pose @ loop.b_from_frame @ turned @ inverse(loop.a_from_frame)
+        end_pose: Array | None = None
         if [*(joint.parent for joint in joints), ends[1]] == [ends[0], *(joint.child for joint in joints)]:
-            at_end, dofs = pose, loop.dofs[::-1] if backwards else loop.dofs
+            end_pose, dofs = pose, loop.dofs[::-1] if backwards else loop.dofs
             for joint, dof in zip_longest(joints, dofs):
                 moved = None if dof is None else self._motion(dof, q[dof.name], backwards=backwards)
-                at_end = child_pose(self.model, joint, at_end, moved)
-        yield FoundPose(element, ("pose, axis", "pose, axis"), at_end, implied)
+                end_pose = child_pose(self.model, joint, end_pose, moved)
+        yield FoundPose(element, ("pose, axis", "pose, axis"), end_pose, expected_pose)
 
     def first_checks(self) -> Iterator[Check]:
         yield missing_meshes(self.path)
@@ -254,5 +255,6 @@ def _dof_names(chain: Joint | Loop) -> list[str]:
     return [dof.name for dof in chain.dofs] or [chain.name]
 
 
-def _seven(pose: Array) -> tuple[float, ...]:
+def _free_value(pose: Array) -> tuple[float, ...]:
+    """Returns a pose as the value of a free dof: position, then quaternion (w, x, y, z)."""
     return (*map(float, pose[:3, 3]), *map(float, quat_from_rotation(pose[:3, :3])))

@@ -195,7 +195,7 @@ class ReadUsd(ReadRobot):
         """Tells whether a general joint frees the same motions as the loop, within its limits."""
         expected = {_freed(dof): _ends(dof) for dof in loop.dofs}
         return joint.free.keys() == expected.keys() and all(
-            # Without the test of `end` or `limit`, a finite end would equal an infinite limit.
+            # The tolerance of an infinite limit would be infinite.
             end == limit or (isfinite(limit) and abs(end - limit) <= SINGLE_PRECISION * max(1.0, abs(limit)))
             for key in expected
             for end, limit in zip(joint.free[key], expected[key], strict=True)
@@ -244,7 +244,8 @@ class ReadUsd(ReadRobot):
             value = distance(from_root @ placed_bodies[link], pose, unresolved=ARC_COSINE) / size
             if value > worst:
                 worst, worst_link = value, link
-        message = f"is {shown(worst)} m or rad from where the robot has it"
+        # `worst` is relative to the size.
+        message = f"is {shown(worst * size)} m or rad from where the robot has it"
         finding = Finding(self.element("link", worst_link), "xformOp:transform", message)
         detail = f"bodies where they stand, against `home` [m, rad]; worst: {worst_link}"
         return self.within("home", worst, ENGINE_TOLERANCE, detail, [finding])

@@ -18,9 +18,14 @@ from linkwright.stages.robot.system import regular_files
 from linkwright.stages.validate.reading.asset_files import referenced_files
 from linkwright.stages.validate.reading.documents import ModelDocument, read
 
-MODELS = (".urdf", ".xml", ".mjcf")
-TEXTS = (*MODELS, ".srdf", ".sdf", ".usda", ".json", ".yaml", ".py", ".xacro", ".config")
-TRUTH = "robot.json"
+MODEL_ENDINGS = (".urdf", ".xml", ".mjcf")
+"""Endings of the files that are read as models."""
+
+TEXT_ENDINGS = (*MODEL_ENDINGS, ".srdf", ".sdf", ".usda", ".json", ".yaml", ".py", ".xacro", ".config")
+"""Endings of texts; any other file is a mesh or an image."""
+
+ROBOT_JSON = "robot.json"
+"""The file that makes a folder that of a build."""
 
 MAX_ASSET_BYTES = 1 << 28
 """Largest size of a mesh or an image [bytes]."""
@@ -38,11 +43,13 @@ MAX_MARKS = 2_000_000
 """Largest number of characters that begin an element or a table: each takes at least a hundred bytes of
 memory."""
 
-MAX_TRUTH_BYTES = 1 << 27
+MAX_ROBOT_JSON_BYTES = 1 << 27
 """Largest size of a robot.json [bytes], enough for 20,000 links."""
 
-_TEXTURES = ("texture", "hfield")
-_SMALLER = "check that it is the file that you mean"
+_IMAGE_TAGS = ("texture", "hfield")
+"""Elements of an MJCF whose files are images."""
+
+_HINT = "check that it is the file that you mean"
 
 
 @dataclass(slots=True)
@@ -63,7 +70,7 @@ def admitted(place: Path) -> Sizes:
     for path in _files(place):
         _admit(path, sizes, visited, path.name)
     # In order, so that of several faults always the same one is reported.
-    models = sorted((path for path in visited if path.suffix.lower() in MODELS), reverse=True)
+    models = sorted((path for path in visited if path.suffix.lower() in MODEL_ENDINGS), reverse=True)
     pixels = 0
     while models:
         model = models.pop()
@@ -73,67 +80,70 @@ def admitted(place: Path) -> Sizes:
             continue
         _require_bounded(document)
         for file in referenced_files(document):
-            if file.path is None or not _is_there(file.path) or file.path in visited:
+            if file.path is None or not _exists(file.path) or file.path in visited:
                 continue
             _admit(file.path, sizes, visited, document.path.name)
             if tag(file.element) == "model":
                 models.append(file.path)
-            if tag(file.element) in _TEXTURES:
-                pixels += _pixels(file.path)
+            if tag(file.element) in _IMAGE_TAGS:
+                pixels += _pixel_count(file.path)
             if pixels > png.MAX_PIXELS:
-                raise _refused(f"its images have more than {png.MAX_PIXELS} pixels", document.path.name)
+                raise _refusal(f"its images have more than {png.MAX_PIXELS} pixels", document.path.name)
     return sizes
 
 
 def _files(place: Path) -> Iterator[Path]:
     """Yields the files of a build, if there is a robot.json; else the model, or the models in the folder."""
     if regular_files.is_special(place):
-        raise _refused(regular_files.NOT_REGULAR, str(place))
+        raise _refusal(regular_files.NOT_REGULAR, str(place))
     folder = place if place.is_dir() else place.parent
-    truth = folder / TRUTH
-    if truth.is_dir():
-        raise _refused("it is a folder", str(truth))
-    if truth.exists() or regular_files.is_special(truth):
-        yield from _below(folder)
+    robot_json = folder / ROBOT_JSON
+    if robot_json.is_dir():
+        raise _refusal("it is a folder", str(robot_json))
+    if robot_json.exists() or regular_files.is_special(robot_json):
+        yield from _files_below(folder)
     elif place.is_dir():
-        yield from (path for path in _entries(folder) if path.suffix.lower() in MODELS and not path.is_dir())
+        yield from (
+            path for path in _entries(folder) if path.suffix.lower() in MODEL_ENDINGS and not path.is_dir()
+        )
     elif place.exists():
         yield place
 
 
-def _below(folder: Path) -> Iterator[Path]:
+def _files_below(folder: Path) -> Iterator[Path]:
     """Yields the files of a folder and its subfolders. Links to folders are not followed."""
-    waiting, seen = [folder], 0
-    while waiting:
-        for path in _entries(waiting.pop()):
-            seen += 1
-            if seen > MAX_FILES:
-                raise _refused(f"it has more than {MAX_FILES} files", folder.name)
+    folders, entry_count = [folder], 0
+    while folders:
+        for path in _entries(folders.pop()):
+            entry_count += 1
+            if entry_count > MAX_FILES:
+                raise _refusal(f"it has more than {MAX_FILES} files", folder.name)
             if path.is_dir():
-                waiting += [] if path.is_symlink() else [path]
+                folders += [] if path.is_symlink() else [path]
             elif path.exists():
                 yield path
 
 
-def _admit_included(model: Path, sizes: Sizes, seen: set[Path]) -> None:
+def _admit_included(model: Path, sizes: Sizes, visited_paths: set[Path]) -> None:
     """Admits the files that a model includes, directly or through other files: MuJoCo opens them whatever
     their kind."""
     admitted_paths = {model}
 
-    def read(node: Element) -> Element | None:
+    def included_root(node: Element) -> Element | None:
         path = model.parent / node.get("file", "")
-        if path in admitted_paths or not _is_there(path):
+        if path in admitted_paths or not _exists(path):
             return None
         admitted_paths.add(path)
-        _admit(path, sizes, seen, model.name)
+        _admit(path, sizes, visited_paths, model.name)
         return _parsed(path)
 
     root = _parsed(model)
     if root is not None:
-        replace_includes(root, read)
+        replace_includes(root, included_root)
 
 
 def _parsed(path: Path) -> Element | None:
+    """Returns the root of a file; None if the file cannot be read."""
     try:
         return parse(regular_files.content(path, MAX_XML_BYTES))
     except (Malformed, OSError, regular_files.FileTooLarge):
@@ -148,32 +158,34 @@ def _entries(folder: Path) -> list[Path]:
         raise SourceError(msg, str(folder)) from None
 
 
-def _is_there(path: Path) -> bool:
+def _exists(path: Path) -> bool:
     """Tells whether something other than a folder exists under a name that a file can have."""
     return regular_files.is_file(path) or regular_files.is_special(path)
 
 
-def _admit(path: Path, sizes: Sizes, seen: set[Path], where: str) -> None:
-    if path in seen:
+def _admit(path: Path, sizes: Sizes, visited_paths: set[Path], where: str) -> None:
+    """Adds the size of a file to `sizes`. Raises SourceError if the file is endless or too large,
+    or if all files together are too many or too large. `where`: the file that the error is about."""
+    if path in visited_paths:
         return
-    seen.add(path)
-    if len(seen) > MAX_FILES:
-        raise _refused(f"it names more than {MAX_FILES} files", where)
+    visited_paths.add(path)
+    if len(visited_paths) > MAX_FILES:
+        raise _refusal(f"it names more than {MAX_FILES} files", where)
     if regular_files.is_endless(path):
-        raise _refused(f"{path.name}: {regular_files.NOT_REGULAR}", where)
+        raise _refusal(f"{path.name}: {regular_files.NOT_REGULAR}", where)
     if not regular_files.is_file(path):
         return  # a check reports what is wrong with it
-    size, text = path.stat().st_size, path.suffix.lower() in TEXTS
-    limit = (MAX_TRUTH_BYTES if path.name == TRUTH else MAX_XML_BYTES) if text else MAX_ASSET_BYTES
+    size, text = path.stat().st_size, path.suffix.lower() in TEXT_ENDINGS
+    limit = (MAX_ROBOT_JSON_BYTES if path.name == ROBOT_JSON else MAX_XML_BYTES) if text else MAX_ASSET_BYTES
     if size > limit:
-        raise _refused(f"{path.name} is longer than {limit >> 20} MB", where)
+        raise _refusal(f"{path.name} is longer than {limit >> 20} MB", where)
     if text:
         sizes.texts += size
         _require_readable(path, limit, where)
     else:
         sizes.assets += size
     if sizes.texts + sizes.assets > MAX_TOTAL_BYTES:
-        raise _refused(f"its files have more than {MAX_TOTAL_BYTES / 1e9:.3g} GB", where)
+        raise _refusal(f"its files have more than {MAX_TOTAL_BYTES / 1e9:.3g} GB", where)
 
 
 def _require_readable(path: Path, limit: int, where: str) -> None:
@@ -183,7 +195,7 @@ def _require_readable(path: Path, limit: int, where: str) -> None:
     except OSError:
         return  # a check reports it
     if sum(data.count(mark) for mark in (b"<", b"[", b"{")) > MAX_MARKS:
-        raise _refused(f"{path.name} has more than {MAX_MARKS} elements or tables", where)
+        raise _refusal(f"{path.name} has more than {MAX_MARKS} elements or tables", where)
 
 
 def _require_bounded(document: ModelDocument) -> None:
@@ -192,7 +204,7 @@ def _require_bounded(document: ModelDocument) -> None:
     if document.language == "mjcf":
         mjcf_bounds.require_within_limits([document.path, *sorted(set(document.included.values()))])
     if sum(1 for _ in document.root.iter()) > MAX_ELEMENTS:
-        raise _refused(f"it has more than {MAX_ELEMENTS} elements", name)
+        raise _refusal(f"it has more than {MAX_ELEMENTS} elements", name)
     _require_names(document.root.iter(), name)
 
 
@@ -200,11 +212,11 @@ def _require_names(elements: Iterable, where: str) -> None:  # type: ignore[type
     for element in elements:
         if len(element.get("name", "")) > mjcf_bounds.MAX_NAME_LENGTH:
             message = f"the name of a <{tag(element)}> has more than {mjcf_bounds.MAX_NAME_LENGTH} letters"
-            raise _refused(message, where)
+            raise _refusal(message, where)
 
 
-def _pixels(path: Path) -> int:
-    """Returns the pixels of an image, by its header; 0 if it is no PNG."""
+def _pixel_count(path: Path) -> int:
+    """Returns the number of pixels of an image, from its header; 0 if the file is not a PNG."""
     try:
         with path.open("rb") as file:
             return png.pixels(file.read(24))
@@ -212,5 +224,6 @@ def _pixels(path: Path) -> int:
         return 0
 
 
-def _refused(why: str, where: str) -> SourceError:
-    return SourceError(f"it is not checked: {why}", where, _SMALLER)
+def _refusal(why: str, where: str) -> SourceError:
+    """Returns the error for a file or folder (`where`) that is not read."""
+    return SourceError(f"it is not checked: {why}", where, _HINT)

@@ -47,7 +47,7 @@ class ModelDocument:
     """Findings on parts of the text that cannot be read."""
 
     packages: tuple[str, ...] | None = None
-    """The packages that the file's folder is; None if unknown."""
+    """The names of the packages whose root is the file's folder; None if unknown."""
 
     foreign: bool = False
     """Whether another program wrote the file."""
@@ -84,23 +84,23 @@ def broken_text(path: Path) -> Finding | None:
 
 
 def title_of(element: Element) -> str:
-    """Returns an element's title, such as `joint "elbow"`. Without a name it has the tag and the title of the
-    parent."""
+    """Returns an element's title, such as `joint "elbow"`. The title of an element without a name has its tag
+    and the title of its parent."""
     name_of_tag = tag(element)
     name = name_of(element)
     if name:
         return named(name_of_tag, name)
     if name_of_tag == "mesh" and element.get("file"):
         return named("mesh", stem(element))
-    above = element.getparent()
-    while above is not None and tag(above) in _BETWEEN:
-        above = above.getparent()
-    if above is None or above.getparent() is None:
+    parent = element.getparent()
+    while parent is not None and tag(parent) in _GROUPS:
+        parent = parent.getparent()
+    if parent is None or parent.getparent() is None:
         return name_of_tag
-    return f"{name_of_tag} of {title_of(above)}"
+    return f"{name_of_tag} of {title_of(parent)}"
 
 
-_BETWEEN = ("geometry", "inertial")
+_GROUPS = ("geometry", "inertial")
 """Elements that only group other elements."""
 
 
@@ -128,7 +128,7 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
         findings.append(Finding("include", "file", f'"{node.get("file", "")}" {why}'))
         return None
 
-    def read(node: Element) -> Element | None:
+    def included_root(node: Element) -> Element | None:
         name = node.get("file", "")
         place = path.parent / name
         line = f"(line {node.sourceline})"
@@ -138,13 +138,13 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> list[F
             return refused(node, f"is included already {line}")
         visited.add(place.resolve())
         try:
-            other = parse(content(place, MAX_XML_BYTES))
+            root_of_file = parse(content(place, MAX_XML_BYTES))
         except FileTooLarge:
             return refused(node, f"is longer than {MAX_XML_BYTES >> 20} MB")
         except Malformed as error:
             return refused(node, f"is not XML: {error.place}")
-        included.update(dict.fromkeys(other.iter(), place))
-        return other
+        included.update(dict.fromkeys(root_of_file.iter(), place))
+        return root_of_file
 
-    replace_includes(root, read)
+    replace_includes(root, included_root)
     return findings

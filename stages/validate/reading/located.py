@@ -8,7 +8,7 @@ from linkwright.stages.formats.xml import Element, Malformed, parse, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.findings import link, named
 
-WRONG = (
+ATTRIBUTES_BY_WORD = (
     ("axis", "joint", "axis"),
     ("range", "joint", "range, limit"),
     ("mass and inertia", "body", "inertial mass, inertia"),
@@ -16,11 +16,13 @@ WRONG = (
     ("inertia", "body", "inertial inertia"),
     ("damping", "joint", "damping"),
 )
-"""A word of the message, the element that it refers to, and its attribute."""
+"""(word of the message, tag of the element that it refers to, attribute of the element), in the order in
+which they are tried."""
 
 
 def located(path: Path, message: str) -> tuple[Finding, ...]:
-    """Returns the finding of a refusal. Its element is the file if nothing more is known."""
+    """Returns the finding of a refusal. Its element is the file if nothing more is known. `message`: the
+    engine's message."""
     text = " ".join(message.split())
     try:
         root = parse(path.read_bytes())
@@ -41,25 +43,25 @@ def _places(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
     repeated_joint = re.search(r"element '([^']+)' is repeated in equality", text)
     if repeated_joint:
         yield named("joint", repeated_joint[1]), "name"
-    file = re.search(r"[Ff]ile '([^']+)'", text)
-    if file:
-        yield from _naming(root, PurePosixPath(file[1]).name)
-    name = re.search(r"Element name '([^']+)'", text)
-    if name:
-        for word, kind, attribute in WRONG:
+    file_match = re.search(r"[Ff]ile '([^']+)'", text)
+    if file_match:
+        yield from _elements_of_file(root, PurePosixPath(file_match[1]).name)
+    name_match = re.search(r"Element name '([^']+)'", text)
+    if name_match:
+        for word, kind, attribute in ATTRIBUTES_BY_WORD:
             if word in text.lower():
-                yield (link(name[1], urdf) if kind == "body" else named(kind, name[1])), attribute
-        yield f'"{name[1]}"', ""
+                yield (link(name_match[1], urdf) if kind == "body" else named(kind, name_match[1])), attribute
+        yield f'"{name_match[1]}"', ""
 
 
-def _naming(root: Element, file: str) -> Iterator[tuple[str, str]]:
+def _elements_of_file(root: Element, file_name: str) -> Iterator[tuple[str, str]]:
     """Yields the elements that name a file."""
     for node in root.iter():
         for attribute, value in node.attrib.items():
-            if PurePosixPath(str(value)).name != file:
+            if PurePosixPath(str(value)).name != file_name:
                 continue
             owner = next(node.iterancestors("link"), None)
             if owner is not None:
                 yield link(owner.get("name", ""), urdf=True), f"{tag(node)} {attribute}"
             else:
-                yield named(tag(node), node.get("name") or file), str(attribute)
+                yield named(tag(node), node.get("name") or file_name), str(attribute)

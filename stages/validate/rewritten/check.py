@@ -33,17 +33,22 @@ def rewritten(
     Linkwright wrote the files: other versions write other texts, so that a difference is not a fault.
     `changes`: the changes by the user's own XML to files that describe the robot.
     """
-    levels: tuple[CheckLevel, CheckLevel] = ("warning", "error" if current else "warning")
+    fault_level: CheckLevel = "error" if current else "warning"
     grouped = [path for path in expected if PurePosixPath(path).suffix in GROUPED_ENDINGS]
     for path in sorted(expected.keys() - {*grouped}):
-        weighed = [
+        weighted_differences = [
             (difference, weight)
             for difference, weight in _differences(folder, path, expected[path], copies)
             if not path.endswith(ROBOT_ENDINGS) or not is_amended(difference, changes)
         ]
-        wrong = [difference.finding for difference, weight in weighed if weight == "error"]
-        findings = (*wrong, *(difference.finding for difference, weight in weighed if weight == "warning"))
-        yield _check(f"{path}: text", findings, levels[bool(wrong)], "equals what a build writes")
+        wrong = [difference.finding for difference, weight in weighted_differences if weight == "error"]
+        findings = (
+            *wrong,
+            *(difference.finding for difference, weight in weighted_differences if weight == "warning"),
+        )
+        yield _check(
+            f"{path}: text", findings, fault_level if wrong else "warning", "equals what a build writes"
+        )
     # In the order of paths alone, a subfolder may be between the files of its folder.
     grouped.sort(key=lambda path: (_folder(path), path))
     for place, paths in groupby(grouped, _folder):
@@ -54,7 +59,7 @@ def rewritten(
             for difference, _ in _differences(folder, path, expected[path], copies=True)
         )
         detail = f"{count(len(files), 'file')} equal to the files that they are copies of"
-        yield _check(f"{place}: copies", findings, levels[1], detail)
+        yield _check(f"{place}: copies", findings, fault_level, detail)
 
 
 def _folder(path: str) -> str:

@@ -26,10 +26,10 @@ READERS: Mapping[str, Reader] = {
 MAX_LENGTH_RATIO, MAX_MORE_BYTES = 20, 1_000_000
 """A file that is longer than this ratio times a build's file plus this number of bytes is not read."""
 
-_MARKS = ("", "{}")
+_EXISTENCE_KEYS = ("", "{}")
 """Last entries of paths of facts that only state that something exists."""
 
-_OTHER_BYTES = "differs from the file that it is a copy of"
+_NOT_A_COPY = "differs from the file that it is a copy of"
 
 Change = Literal["missing", "added", "other"]
 
@@ -55,26 +55,26 @@ def differences(name: str, data: bytes, expected: bytes) -> Iterator[Difference]
     except Unparsable:
         facts = None
     if reader is None or facts is None:
-        yield _of_file(_OTHER_BYTES)
+        yield _difference_of_file(_NOT_A_COPY)
     elif len(data) > MAX_LENGTH_RATIO * len(expected) + MAX_MORE_BYTES:
-        yield _of_file(f"has {len(data)} bytes, expected {len(expected)}")
+        yield _difference_of_file(f"has {len(data)} bytes, expected {len(expected)}")
     else:
         try:
             yield from _differences(dict(reader(data)), facts)
         except Unparsable as error:
-            yield _of_file(str(error))
+            yield _difference_of_file(str(error))
         except RecursionError:
-            yield _of_file("is nested too deep")
+            yield _difference_of_file("is nested too deep")
 
 
-def _of_file(message: str) -> Difference:
+def _difference_of_file(message: str) -> Difference:
     return Difference("other", (), Finding("file", "", message))
 
 
-def _differences(facts: Facts, facts_expected: Facts) -> Iterator[Difference]:
-    places = {place.path: place for place in (*facts, *facts_expected)}
+def _differences(facts: Facts, expected_facts: Facts) -> Iterator[Difference]:
+    places = {place.path: place for place in (*facts, *expected_facts)}
     values = {place.path: value for place, value in facts.items()}
-    expected = {place.path: value for place, value in facts_expected.items()}
+    expected = {place.path: value for place, value in expected_facts.items()}
     reported: set[tuple[str, ...]] = set()
     for path in sorted(places):
         # The content of a missing element is missing too.
@@ -83,9 +83,9 @@ def _differences(facts: Facts, facts_expected: Facts) -> Iterator[Difference]:
         place = places[path]
         if path in values and path in expected:
             if not same(values[path], expected[path], place.least):
-                yield _difference("other", place, _words(values[path], expected[path]))
+                yield _difference("other", place, _difference_text(values[path], expected[path]))
             continue
-        reported.add(path[:-1] if path[-1] in _MARKS else path)
+        reported.add(path[:-1] if path[-1] in _EXISTENCE_KEYS else path)
         if path in expected:
             wish = "" if expected[path] is True else f", expected {shown(expected[path])}"
             yield _difference("missing", place, f"is missing{wish}")
@@ -94,7 +94,7 @@ def _differences(facts: Facts, facts_expected: Facts) -> Iterator[Difference]:
             yield _difference("added", place, f"is {word}, but a build does not write it")
 
 
-def _words(value: Value, expected: Value) -> str:
+def _difference_text(value: Value, expected: Value) -> str:
     """Returns a text on the difference of two values; for long rows only on the entries that differ."""
     if isinstance(value, tuple) and isinstance(expected, tuple):
         surplus, missing = (

@@ -1,5 +1,5 @@
-"""Defines facts, which are the content of a file: a value at each place. Order, white space, comments, quotes
-and the digits of a number are not facts."""
+"""Defines facts, which are the content of a file: a value at each place. The order of places, white space,
+comments, quotes and the digits of a number are not facts."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -53,7 +53,8 @@ Reader = Callable[[bytes], Iterator[tuple[Place, Value]]]
 
 
 def same(value: Value, expected: Value, least: float = 0.0) -> bool:
-    """Tells whether two values are the same, apart from the white space of texts. `least`: see `Place`."""
+    """Tells whether two values are the same, apart from the white space of texts, and from rounding.
+    `least`: as in `Place`."""
     if isinstance(value, Turn) and isinstance(expected, Turn):
         offset = rotation_from_rpy(value.rpy) - rotation_from_rpy(expected.rpy)
         return bool(abs(offset).max() <= TOLERANCE)

@@ -13,15 +13,15 @@ _COMMENT = re.compile(r"#[^\n]*")
 def cmake_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
     """Yields each word of each command. The order of words is not a fact."""
     text = _COMMENT.sub("", _decoded(data))
-    remainder = _COMMAND.sub("", text).split()
-    if remainder:
-        raise Unparsable(f"has what is not a command: {' '.join(remainder)[:60]}")
-    seen: Counter[str] = Counter()
-    for command, inside in _COMMAND.findall(text):
-        arguments = tuple(word.strip('"') for word in inside.split())
+    text_outside_commands = _COMMAND.sub("", text).split()
+    if text_outside_commands:
+        raise Unparsable(f"has what is not a command: {' '.join(text_outside_commands)[:60]}")
+    command_counts: Counter[str] = Counter()
+    for command, arguments_text in _COMMAND.findall(text):
+        arguments = tuple(word.strip('"') for word in arguments_text.split())
         name = f"{command.lower()} {arguments[0]}" if len(arguments) > 1 else command.lower()
-        seen[name] += 1
-        path = (name, str(seen[name]))
+        command_counts[name] += 1
+        path = (name, str(command_counts[name]))
         yield Place((*path, ""), name, ""), True
         for number, word in enumerate(arguments):
             # The first word is the subject of a command, such as the name of a project or the kind of target

@@ -41,15 +41,15 @@ def _body(body: list[ast.stmt], path: tuple[str, ...], element: str) -> Iterator
 def _definition(
     statement: ast.FunctionDef | ast.ClassDef, path: tuple[str, ...]
 ) -> Iterator[tuple[Place, Value]]:
-    inner, element = (*path, statement.name), named("def", statement.name)
+    inner_path, element = (*path, statement.name), named("def", statement.name)
     if isinstance(statement, ast.FunctionDef):
-        yield Place((*inner, "()"), element, "arguments"), ast.unparse(statement.args)
+        yield Place((*inner_path, "()"), element, "arguments"), ast.unparse(statement.args)
     elif statement.bases:
-        yield Place((*inner, "bases"), element, "bases"), tuple(map(ast.unparse, statement.bases))
+        yield Place((*inner_path, "bases"), element, "bases"), tuple(map(ast.unparse, statement.bases))
     if statement.decorator_list:
         decorators = tuple(map(ast.unparse, statement.decorator_list))
-        yield Place((*inner, "@"), element, "decorators"), decorators
-    yield from _body(statement.body, inner, element)
+        yield Place((*inner_path, "@"), element, "decorators"), decorators
+    yield from _body(statement.body, inner_path, element)
 
 
 def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[tuple[Place, Value]]:
@@ -62,14 +62,14 @@ def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[t
             text = str(key.value) if isinstance(key, ast.Constant) else ast.unparse(key) if key else "**"
             yield from _constant(value, (*path, text), element)
     elif isinstance(node, ast.List | ast.Tuple):
-        row = tuple(str(_number(entry)) for entry in node.elts)
+        row = tuple(str(_constant_value(entry)) for entry in node.elts)
         yield Place(path, element, attribute), tuple(sorted(row)) if path == ("__all__",) else row
     else:
         # Positions, in metres and radians.
-        yield Place(path, element, attribute, 1.0), _number(node)
+        yield Place(path, element, attribute, 1.0), _constant_value(node)
 
 
-def _number(node: ast.expr) -> Value:
+def _constant_value(node: ast.expr) -> Value:
     try:
         value = ast.literal_eval(node)
     except (ValueError, TypeError):

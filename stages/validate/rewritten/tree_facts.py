@@ -69,8 +69,8 @@ def _facts(tree: Any) -> Iterator[tuple[Place, Value]]:
         if index == MAX_VALUES:
             raise Unparsable(f"has more than {MAX_VALUES} values")
         # A file that is a single value has no keys.
-        first, *inner = path or ("file",)
-        yield Place((first, *inner), first, " ".join(inner)), value
+        first, *inner_keys = path or ("file",)
+        yield Place((first, *inner_keys), first, " ".join(inner_keys)), value
 
 
 def _values(tree: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Value]]:
@@ -82,11 +82,13 @@ def _values(tree: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
         for key, value in tree.items():
             yield from _values(value, (*path, str(key)))
     elif isinstance(tree, list) and any(isinstance(entry, list | Mapping) for entry in tree):
-        seen: Counter[str] = Counter()
+        key_counts: Counter[str] = Counter()
         for index, value in enumerate(tree):
             key = _member_key(value, index)
-            seen[key] += 1
-            yield from _values(value, (*path, f"[{key}]" if seen[key] == 1 else f"[{key} {seen[key]}]"))
+            key_counts[key] += 1
+            yield from _values(
+                value, (*path, f"[{key}]" if key_counts[key] == 1 else f"[{key} {key_counts[key]}]")
+            )
     elif isinstance(tree, list):
         yield path, tuple(map(_scalar, tree))
     else:

@@ -33,17 +33,17 @@ HARDWARE_FACTS: Mapping[str, str] = {
 def weight_of(name: str, difference: Difference) -> Weight:
     """Returns the weight of a difference in the file of this name."""
     place = " ".join(difference.path)
-    if difference.change != "missing" and _has(USER_FACTS, name, place):
+    if difference.change != "missing" and _lists_fact(USER_FACTS, name, place):
         return ""
     if name.endswith(".rviz") and difference.change != "missing" and _is_look(difference):
         return ""
     if difference.change == "added" and not name.endswith(ROBOT_ENDINGS):
         return "warning"
-    return "warning" if _has(HARDWARE_FACTS, name, place) else "error"
+    return "warning" if _lists_fact(HARDWARE_FACTS, name, place) else "error"
 
 
-def _has(table: Mapping[str, str], name: str, place: str) -> bool:
-    return any(re.fullmatch(facts, place) for end, facts in table.items() if name.endswith(end))
+def _lists_fact(table: Mapping[str, str], name: str, place: str) -> bool:
+    return any(re.fullmatch(facts, place) for ending, facts in table.items() if name.endswith(ending))
 
 
 def _is_look(difference: Difference) -> bool:

@@ -48,18 +48,18 @@ def _materials(root: Element) -> list[str]:
 def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[tuple[Place, Value]]:
     yield replace(place, path=(*place.path, "")), True
     for key, value in _attributes(node, materials):
-        yield _within(place, f"@{key}", key), value
+        yield _place_within(place, f"@{key}", key), value
     children = [child for child in node if isinstance(child.tag, str)]
     text = " ".join(" ".join(node.xpath("text()")).split())
     if text and not children:
         least = 1.0 if tag(node) in LENGTH_ELEMENTS else 0.0
-        yield replace(_within(place, "text", ""), least=least), words(text)
-    seen: Counter[str] = Counter()
+        yield replace(_place_within(place, "text", ""), least=least), words(text)
+    key_counts: Counter[str] = Counter()
     tags = Counter(map(tag, children))
     for child in children:
         key = _key(child, tags[tag(child)] > 1)
-        seen[key] += 1
-        yield from _facts(child, _below(place, child, key, seen[key]), materials)
+        key_counts[key] += 1
+        yield from _facts(child, _place_of_child(place, child, key, key_counts[key]), materials)
 
 
 def _attributes(node: Element, materials: dict[str, str]) -> Iterator[tuple[str, Value]]:
@@ -86,7 +86,7 @@ def _key(node: Element, repeats: bool) -> str:
     return " ".join((tag(node), *values))
 
 
-def _below(place: Place, node: Element, key: str, number: int) -> Place:
+def _place_of_child(place: Place, node: Element, key: str, number: int) -> Place:
     """Returns the place of a child. A child with a name is an element, except in a joint or a link; any other
     child is a part of the element above."""
     path = (*place.path, f"{key} {number}")
@@ -96,10 +96,11 @@ def _below(place: Place, node: Element, key: str, number: int) -> Place:
     links = node.get("link1"), node.get("link2")
     if all(links):
         return Place(path, named(tag(node), '" "'.join(map(str, links))), "")
-    inner = named(tag(node), name) if name else tag(node) if number == 1 else f"{tag(node)} {number}"
-    return Place(path, place.element, f"{place.attribute} {inner}".strip())
+    part_title = named(tag(node), name) if name else tag(node) if number == 1 else f"{tag(node)} {number}"
+    return Place(path, place.element, f"{place.attribute} {part_title}".strip())
 
 
-def _within(place: Place, key: str, attribute: str) -> Place:
+def _place_within(place: Place, key: str, attribute: str) -> Place:
+    """Returns the place of an attribute or of the text of an element."""
     least = 1.0 if attribute in LENGTH_ATTRIBUTES else 0.0
     return Place((*place.path, key), place.element, f"{place.attribute} {attribute}".strip(), least)

@@ -20,39 +20,46 @@ FORCES = ("effort", "actuatorfrcrange")
 """Quantities that are compared relative to their value, however small it is."""
 
 
-def compare_joints(read: ReadRobot) -> Iterator[Check]:
-    """Yields a single result."""
-    wrong: dict[str, list[Finding]] = {}
-    for joint in read.joints():
-        findings = list(_differences(read, joint))
-        wrong |= {joint.name: findings} if findings else {}
-    detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
-    findings = [finding for of_joint in wrong.values() for finding in of_joint]
-    yield read.within("joints", float(len(wrong)), 0.0, detail, findings)
+def compare_joints(read_robot: ReadRobot) -> Iterator[Check]:
+    """Yields a single result, whose value is the number of joints that differ."""
+    findings_by_joint: dict[str, list[Finding]] = {}
+    for joint in read_robot.joints():
+        findings = list(_differences(read_robot, joint))
+        findings_by_joint |= {joint.name: findings} if findings else {}
+    detail = "type, limits, effort and dynamics of each joint"
+    if findings_by_joint:
+        detail = f"differ: {', '.join(findings_by_joint)}"
+    findings = [finding for findings_of_joint in findings_by_joint.values() for finding in findings_of_joint]
+    yield read_robot.within("joints", float(len(findings_by_joint)), 0.0, detail, findings)
 
 
-def _differences(read: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
+def _differences(read_robot: ReadRobot, joint: FoundJoint) -> Iterator[Finding]:
     if joint.type not in joint.types:
         yield differs(joint.element, "type", joint.type, " or ".join(joint.types))
         return
-    of_dof = {} if joint.dof is None else expected(joint.dof)
+    expected_of_dof = {} if joint.dof is None else expected(joint.dof)
     for quantity, actual in joint.numbers.items():
-        number = joint.expected.get(quantity, of_dof.get(quantity, 0.0))
-        if quantity in read.required_numbers and number in (math.inf, -math.inf):
+        expected_number = joint.expected.get(quantity, expected_of_dof.get(quantity, 0.0))
+        # The file must have a number where the robot has no limit, and any number will do.
+        if quantity in read_robot.required_numbers and expected_number in (math.inf, -math.inf):
             continue
-        values, goals = (np.array(numbers, dtype=float) for numbers in (actual, number))
+        values, expected_values = (np.array(numbers, dtype=float) for numbers in (actual, expected_number))
         if quantity in ENDS:
-            values, goals = _with_open_ends(values), _with_open_ends(goals)
-        if not _is_same(values, goals, 0.0 if quantity in FORCES else 1.0, read.precision.number):
-            attribute = read.attribute_names.numbers.get(quantity, quantity)
-            if quantity in read.required_numbers and np.isinf(values).all():
-                yield Finding(joint.element, attribute, f"is missing, expected {shown(goals)}")
+            values, expected_values = _with_open_ends(values), _with_open_ends(expected_values)
+        min_scale = 0.0 if quantity in FORCES else 1.0
+        if not _is_same(values, expected_values, min_scale, read_robot.precision.number):
+            attribute = read_robot.attribute_names.numbers.get(quantity, quantity)
+            if quantity in read_robot.required_numbers and np.isinf(values).all():
+                yield Finding(joint.element, attribute, f"is missing, expected {shown(expected_values)}")
                 continue
-            yield differs(joint.element, attribute, _shown(values), _shown(goals), _unit(quantity, joint.dof))
+            yield differs(
+                joint.element, attribute, _shown(values), _shown(expected_values), _unit(quantity, joint.dof)
+            )
 
 
 def expected(dof: Dof) -> Numbers:
-    """Returns the numbers that a file must have for a dof, by quantity. `cone` is the tilt of a ball."""
+    """Returns the numbers that a file must have for a dof, by quantity. `cone` is the largest tilt of a ball
+    [rad]."""
     (low, high), dynamics = dof.limits.interval, dof.dynamics
     return {
         "lower": low,
@@ -66,12 +73,13 @@ def expected(dof: Dof) -> Numbers:
     }
 
 
-def _is_same(actual: Array, expected: Array, least: float, exact: float) -> bool:
-    """Tells whether values agree within `exact`, relative to the larger of the expected value and `least`."""
+def _is_same(actual: Array, expected: Array, min_scale: float, tolerance: float) -> bool:
+    """Tells whether values agree within `tolerance`, relative to the larger of the expected value and
+    `min_scale`."""
     if actual.shape != expected.shape:
         return False
     with np.errstate(invalid="ignore"):
-        is_near = np.abs(actual - expected) <= exact * np.maximum(least, np.abs(expected))
+        is_near = np.abs(actual - expected) <= tolerance * np.maximum(min_scale, np.abs(expected))
     return bool(((actual == expected) | (is_near & np.isfinite(expected))).all())
 
 

@@ -10,25 +10,29 @@ from linkwright.stages.validate.model.coordinates import distance, spread_values
 from linkwright.stages.validate.same.read_robot import FoundPose, ReadRobot
 
 
-def compare_loops(read: ReadRobot, name: str = "loops") -> Iterator[Check]:
-    """Yields a single result for a robot with loops. `name`: the name of the check."""
-    worst, worst_loop, findings_by_place = 0.0, "", dict[tuple[str, str], tuple[float, Finding]]()
+def compare_loops(read_robot: ReadRobot, name: str = "loops") -> Iterator[Check]:
+    """Yields a single result for a robot with loops, else nothing. `name`: the name of the check."""
+    worst_error, worst_loop, findings_by_place = 0.0, "", dict[tuple[str, str], tuple[float, Finding]]()
     for sample_index in range(2):
-        q = {**spread_values(read.robot, sample_index), **read.fixed_dofs}
-        for loop in read.robot.loops:
-            for place in read.loop_poses(loop, q):
-                value = np.inf if place.pose is None else distance(place.pose, place.expected)
-                if not value < worst:
-                    worst, worst_loop = value, loop.name
-                for finding in _findings(place, loop.name, read.precision.pose):
-                    findings_by_place.setdefault((finding.element, finding.attribute), (value, finding))
-    if read.robot.loops:
+        q = {**spread_values(read_robot.robot, sample_index), **read_robot.fixed_dofs}
+        for loop in read_robot.robot.loops:
+            for found_pose in read_robot.loop_poses(loop, q):
+                error = np.inf if found_pose.pose is None else distance(found_pose.pose, found_pose.expected)
+                if not error < worst_error:
+                    worst_error, worst_loop = error, loop.name
+                for finding in _findings(found_pose, loop.name, read_robot.precision.pose):
+                    findings_by_place.setdefault((finding.element, finding.attribute), (error, finding))
+    if read_robot.robot.loops:
         detail = f"what closes each loop against the robot's own kinematics [m, rad]; worst: {worst_loop}"
-        yield read.within(name, worst, read.precision.pose, detail, worst_first(findings_by_place.values()))
+        yield read_robot.within(
+            name, worst_error, read_robot.precision.pose, detail, worst_first(findings_by_place.values())
+        )
 
 
-def _findings(place: FoundPose, loop: str, least: float) -> tuple[Finding, ...]:
-    if place.pose is None:
+def _findings(found_pose: FoundPose, loop: str, tolerance: float) -> tuple[Finding, ...]:
+    if found_pose.pose is None:
         message = f"does not close the loop {loop} as the robot has it"
-        return (Finding(place.element, place.attributes[0], message),)
-    return pose_findings(place.element, place.pose, place.expected, place.attributes, least)
+        return (Finding(found_pose.element, found_pose.attributes[0], message),)
+    return pose_findings(
+        found_pose.element, found_pose.pose, found_pose.expected, found_pose.attributes, tolerance
+    )

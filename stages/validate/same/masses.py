@@ -19,50 +19,49 @@ from linkwright.stages.validate.model.mass_properties import (
 from linkwright.stages.validate.same.read_robot import AttributeNames, ReadRobot
 
 
-def compare_masses(read: ReadRobot) -> Iterator[Check]:
+def compare_masses(read_robot: ReadRobot) -> Iterator[Check]:
     """Yields a result for each quantity."""
-    worst, worst_link = dict.fromkeys(UNITS, 0.0), dict.fromkeys(UNITS, "")
-    findings: dict[str, list[tuple[float, Finding]]] = {key: [] for key in UNITS}
-    exact, error = read.precision.mass, 0.0
-    for link in read.robot.links:
-        actual, expected = (
-            read.mass_properties(link.name),
-            expected_mass_properties(link, read.precision.massless_inertial),
-        )
-        largest = float(np.abs(expected.inertia).max())
-        allowed = read.axes_error(largest) if largest else 0.0
-        error = max(error, allowed)
-        for key, value in differences(actual, expected, allowed).items():
-            if not value < worst[key]:
-                worst[key], worst_link[key] = value, link.name
-            if not value <= exact:
-                element = read.element("link", link.name)
-                findings[key].append(
-                    (value, _finding(element, key, actual, expected, read.attribute_names, exact))
-                )
-    for name, value, finding in read.unexpected_masses():
-        if not value < worst["mass"]:
-            worst["mass"], worst_link["mass"] = value, name
-        if not value <= exact:
+    worst_values, worst_link = dict.fromkeys(UNITS, 0.0), dict.fromkeys(UNITS, "")
+    findings: dict[str, list[tuple[float, Finding]]] = {quantity: [] for quantity in UNITS}
+    tolerance, largest_allowance = read_robot.precision.mass, 0.0
+    for link in read_robot.robot.links:
+        actual = read_robot.mass_properties(link.name)
+        expected = expected_mass_properties(link, read_robot.precision.massless_inertial)
+        largest_entry = float(np.abs(expected.inertia).max())
+        allowance = read_robot.axes_error(largest_entry) if largest_entry else 0.0
+        largest_allowance = max(largest_allowance, allowance)
+        for quantity, value in differences(actual, expected, allowance).items():
+            if not value < worst_values[quantity]:
+                worst_values[quantity], worst_link[quantity] = value, link.name
+            if not value <= tolerance:
+                element, names = read_robot.element("link", link.name), read_robot.attribute_names
+                finding = _finding(element, quantity, actual, expected, names, tolerance)
+                findings[quantity].append((value, finding))
+    for name, value, finding in read_robot.unexpected_masses():
+        if not value < worst_values["mass"]:
+            worst_values["mass"], worst_link["mass"] = value, name
+        if not value <= tolerance:
             findings["mass"].append((value, finding))
-    for key, unit in UNITS.items():
-        if key == "inertia" and error > exact:
+    for quantity, unit in UNITS.items():
+        if quantity == "inertia" and largest_allowance > tolerance:
             unit += ", beyond the error of this MuJoCo's principal axes"
-        detail = f"{key} of each link against CAD's parts ({unit}); worst: {worst_link[key]}"
-        yield read.within(key, worst[key], exact, detail, worst_first(findings[key]))
+        detail = f"{quantity} of each link against CAD's parts ({unit}); worst: {worst_link[quantity]}"
+        yield read_robot.within(
+            quantity, worst_values[quantity], tolerance, detail, worst_first(findings[quantity])
+        )
 
 
 def _finding(
     element: str,
-    key: str,
+    quantity: str,
     actual: MassProperties,
     expected: MassProperties,
     words: AttributeNames,
-    exact: float,
+    tolerance: float,
 ) -> Finding:
-    if key == "mass":
+    if quantity == "mass":
         return differs(element, words.mass, actual.mass, expected.mass, "kg")
-    if key == "centre of mass":
+    if quantity == "centre of mass":
         return differs(element, words.com, actual.com, expected.com, "m")
     if words.moments is None:
         rows, columns = np.triu_indices(3)
@@ -77,6 +76,6 @@ def _finding(
     if not np.isfinite(actual.inertia).all():
         return Finding(element, size, "is not a finite number")
     moments = [np.linalg.eigvalsh(tensor) for tensor in (actual.inertia, expected.inertia)]
-    if float(np.abs(moments[0] - moments[1]).max()) <= exact * float(np.abs(moments[1]).max()):
+    if float(np.abs(moments[0] - moments[1]).max()) <= tolerance * float(np.abs(moments[1]).max()):
         return Finding(element, axes, "turns the principal axes of inertia differently than expected")
     return differs(element, size, moments[0], moments[1], "kg m², by size")

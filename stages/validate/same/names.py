@@ -6,21 +6,21 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.same.read_robot import ReadRobot
 
 
-def compare_names(read: ReadRobot) -> Check:
+def compare_names(read_robot: ReadRobot) -> Check:
     """Returns a single result, with findings on missing names, then on names that are not the robot's."""
-    actual, expected = read.names_found(), read.names_expected()
+    actual, expected = read_robot.names_found(), read_robot.names_expected()
     missing = [(tag, name) for tag, names in expected.items() for name in sorted(names - actual[tag])]
-    added = [(tag, name) for tag, names in actual.items() for name in sorted(names - expected[tag])]
+    surplus = [(tag, name) for tag, names in actual.items() for name in sorted(names - expected[tag])]
     detail = ", ".join(
-        count(len(actual[tag]), read.attribute_names.tags.get(tag, tag)) for tag in ("link", "joint")
+        count(len(actual[tag]), read_robot.attribute_names.tags.get(tag, tag)) for tag in ("link", "joint")
     )
     if missing:
         detail = f"missing: {', '.join(sorted(name for _, name in missing))}"
-    elif added:
-        detail = f"not the robot's: {', '.join(sorted(name for _, name in added))}"
+    elif surplus:
+        detail = f"not the robot's: {', '.join(sorted(name for _, name in surplus))}"
     findings = [
-        Finding(named(read.attribute_names.tags.get(tag, tag), name), "name", message)
-        for rows, message in ((missing, "is missing"), (added, "is not part of the robot"))
+        Finding(named(read_robot.attribute_names.tags.get(tag, tag), name), "name", message)
+        for rows, message in ((missing, "is missing"), (surplus, "is not part of the robot"))
         for tag, name in rows
     ]
-    return read.within("links and joints", float(len(findings)), 0.0, detail, findings)
+    return read_robot.within("links and joints", float(len(findings)), 0.0, detail, findings)

@@ -165,8 +165,8 @@ class ReadRobot(Protocol):
         ...
 
     def joints(self) -> Iterable[FoundJoint]:
-        """Returns the joint of each dof, and the joints without dofs; also those of loops if the format has
-        joints for them."""
+        """Returns the joint of each dof, and the joints without dofs, as far as the format has them; those of
+        loops too."""
         ...
 
     def loop_poses(self, loop: Loop, q: Configuration) -> Iterable[FoundPose]:
@@ -189,7 +189,7 @@ class ReadRobot(Protocol):
         """Returns the title, in findings, of a link, of the joint of a dof, of a frame or of a relation."""
         return named("joint" if kind == "relation" else kind, name)
 
-    def placed(self, joint: Joint) -> str:
+    def placing_element(self, joint: Joint) -> str:
         """Returns the title of the element that places the child of a joint."""
         return self.element("joint", joint.dofs[0].name if joint.dofs else joint.name)
 

@@ -108,46 +108,60 @@ def solids_by_link(
     by_link = geometry.by_link()
     by_role: dict[tuple[str, Role], list[WrittenShape]] = {}
     for name in dict.fromkeys((*held, *(shape.link for shape in geometry.shapes))):
-        holder, place = held.get(name, (name, UNMOVED))
+        holder, holder_from_link = held.get(name, (name, UNMOVED))
         for role in ROLES:
-            written = by_role.setdefault((holder, role), [])
+            shapes_of_holder = by_role.setdefault((holder, role), [])
             for shape in by_link[name, role]:
-                solids_of_shape = solids(shape)
-                written += [
-                    replace(solid, link_from_shape=place @ solid.link_from_shape) for solid in solids_of_shape
+                solids_of_link_shape = solids(shape)
+                shapes_of_holder += [
+                    replace(solid, link_from_shape=holder_from_link @ solid.link_from_shape)
+                    for solid in solids_of_link_shape
                 ]
     return by_role
 
 
 def differences(
-    element: str, role: str, shapes: Sequence[ReadShape], expected: Sequence[WrittenShape], words: ShapeWords
+    element: str,
+    role: str,
+    shapes: Sequence[ReadShape],
+    expected: Sequence[WrittenShape],
+    format_names: ShapeWords,
 ) -> Iterator[Finding]:
     """Yields the differences of a link's shapes of a role. `element`: the title of the link."""
     if len(shapes) != len(expected):
         yield Finding(element, role, f"has {count(len(shapes), role)}, expected {len(expected)}")
         return
-    for number, (shape, goal) in enumerate(zip(shapes, expected, strict=True), 1):
-        yield from look_differs(element, f"{role} {number} {words.colour}", shape, goal)
-        yield from form_differs(element, f"{role} {number} ", shape, goal, words, ENGINE_TOLERANCE)
+    for number, (shape, expected_shape) in enumerate(zip(shapes, expected, strict=True), 1):
+        yield from look_differs(element, f"{role} {number} {format_names.colour}", shape, expected_shape)
+        yield from form_differs(
+            element, f"{role} {number} ", shape, expected_shape, format_names, ENGINE_TOLERANCE
+        )
 
 
 def form_differs(
-    element: str, which: str, shape: ReadShape, expected: WrittenShape, words: ShapeWords, least: float
+    element: str,
+    prefix: str,
+    shape: ReadShape,
+    expected: WrittenShape,
+    format_names: ShapeWords,
+    tolerance: float,
 ) -> Iterator[Finding]:
-    """Yields the differences of a shape by more than `least`: of its kind, file or size, else of its place.
-    `which`: the prefix of the attributes."""
+    """Yields the differences of a shape: of its kind, file or size, else of its place. `tolerance` [m, rad]:
+    the largest difference that is ignored; `prefix`: what the names of the attributes begin with."""
     if shape.kind != expected.kind:
-        yield differs(element, f"{which}{words.kind}", shape.kind or "none", expected.kind)
+        yield differs(element, f"{prefix}{format_names.kind}", shape.kind or "none", expected.kind)
     elif expected.file and shape.filename is not None and _name(shape.filename) != _name(expected.file):
-        yield differs(element, f"{which}{words.file}", shape.filename, expected.file)
+        yield differs(element, f"{prefix}{format_names.file}", shape.filename, expected.file)
     elif expected.file and shape.scale != (1.0, 1.0, 1.0):
-        yield differs(element, f"{which}{words.scale}", shape.scale, (1.0, 1.0, 1.0))
-    elif not np.allclose(shape.size, expected.size, rtol=least, atol=least):
+        yield differs(element, f"{prefix}{format_names.scale}", shape.scale, (1.0, 1.0, 1.0))
+    elif not np.allclose(shape.size, expected.size, rtol=tolerance, atol=tolerance):
         message = f"is {shown(shape.size)}, expected {shown(expected.size)} [m]"
-        yield Finding(element, f"{which}{expected.kind} size", message)
+        yield Finding(element, f"{prefix}{expected.kind} size", message)
     else:
-        attributes = (f"{which}{words.place[0]}", f"{which}{words.place[1]}")
-        yield from pose_findings(element, shape.link_from_shape, expected.link_from_shape, attributes, least)
+        attributes = (f"{prefix}{format_names.place[0]}", f"{prefix}{format_names.place[1]}")
+        yield from pose_findings(
+            element, shape.link_from_shape, expected.link_from_shape, attributes, tolerance
+        )
 
 
 def look_differs(element: str, attribute: str, shape: ReadShape, expected: WrittenShape) -> Iterator[Finding]:
