@@ -38,8 +38,8 @@ def driven(
     world_from_root, gravity = standing.world_from_root, gravity_of(keys.scene.option)
     up = -world_from_root[:3, :3].T @ gravity
 
-    def supports_at(q: Configuration) -> tuple[GroundSupport, ...]:
-        return supports(robot, geometry, standing.placed(q), keys.ground, q, up)
+    def supports_at(weighing_robot: Robot, q: Configuration) -> tuple[GroundSupport, ...]:
+        return supports(weighing_robot, geometry, standing.placed(q), keys.ground, q, up)
 
     timestep = keys.scene.option.timestep
     actuation, diagnostics = actuate(

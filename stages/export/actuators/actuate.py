@@ -75,9 +75,9 @@ def actuate(
     drivers = [dof for dof in driven if dof in chosen]
     rates = couplings.moved_by(drivers)
     shares = compensated_links(robot, choices, rates)
+    bounds = bounds_of(robot, values, up, shares)
+    shared_loads = share_loads(robot, loads(robot, values, couplings, drivers, up, bounds, shares))
     lightened = without_compensated_weight(robot, shares)
-    bounds = bounds_of(lightened, values, up)
-    shared_loads = share_loads(robot, loads(lightened, values, couplings, drivers, up, bounds))
     holds = keyframe_forces(lightened, drivers, bounds, up, supports)
     maker = ActuatorMaker(robot, timestep, shared_loads, holds, couplings.coupled, motors)
     actuators = maker.actuators([dof for dof in robot.dofs if dof.name in driven], choices, kept)

@@ -11,8 +11,9 @@ from linkwright.stages.robot.motion.couplings import Couplings
 from linkwright.stages.robot.motion.pose_batch import repeated
 from linkwright.stages.robot.motion.start_pose import keyframes
 
-GroundSupports = Callable[[Configuration], Sequence[GroundSupport]]
-"""Configuration → the forces of the ground on a free robot; empty if the robot does not stand."""
+GroundSupports = Callable[[Robot, Configuration], Sequence[GroundSupport]]
+"""(robot, configuration) → the forces of the ground on the free robot; empty if it does not stand. The robot
+has only the weight that gravity compensation leaves, since the ground carries no more."""
 
 Holds = Mapping[str, Mapping[str, float]]
 """Dof → keyframe → signed holding force [N m or N]."""
@@ -21,13 +22,13 @@ Holds = Mapping[str, Mapping[str, float]]
 def keyframe_forces(
     robot: Robot, driven: Sequence[str], bounds: LoadBounds, up: Array, supports: GroundSupports
 ) -> dict[str, dict[str, float]]:
-    """Returns, by driven dof and keyframe, the force that holds the weight. A keyframe in which a free robot
-    does not stand has no forces. `up` (3,) [m/s²]: opposite to gravity, in the root link's axes; `bounds`:
-    the limits of forces at dofs of loops."""
+    """Returns, by driven dof and keyframe, the force [N m or N] that holds the weight. A keyframe in which a
+    free robot does not stand has no forces. `robot`: without its compensated weight; `up` (3,) [m/s²]:
+    opposite to gravity, in the root link's axes; `bounds`: the limits of forces at dofs of loops."""
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     holds: dict[str, dict[str, float]] = {dof: {} for dof in driven}
     for name, pose in keyframes(robot).items():
-        ground = () if robot.base.fixed else supports(pose)
+        ground = () if robot.base.fixed else supports(robot, pose)
         if not robot.base.fixed and not ground:
             continue
         values = repeated(pose, 1)
@@ -40,6 +41,6 @@ def keyframe_forces(
     return holds
 
 
-def no_supports(_: Configuration) -> tuple[GroundSupport, ...]:
+def no_supports(robot: Robot, pose: Configuration) -> tuple[GroundSupport, ...]:
     """Returns the supports of a robot in free fall: an empty tuple."""
     return ()

@@ -67,7 +67,7 @@ class LoadBounds:
     the reach."""
 
     weight: float
-    """The weight [N] of all links that move."""
+    """The weight [N] of all links that move, without what gravity compensation holds."""
 
     mass: float
     """The mass [kg] of all links that move."""
@@ -92,15 +92,18 @@ def postures(robot: Robot) -> Values:
     return {name: np.concatenate([first[name], samples[name]]) for name in first}
 
 
-def bounds_of(robot: Robot, values: Values, up: Array) -> LoadBounds:
-    """Returns the bounds of loads at dofs of loops. `up` (3,) [m/s²]: opposite to gravity."""
+def bounds_of(robot: Robot, values: Values, up: Array, compensated: Mapping[str, float]) -> LoadBounds:
+    """Returns the bounds of loads at dofs of loops. `up` (3,) [m/s²]: opposite to gravity; `compensated`:
+    link → the share of its weight that gravity compensation holds."""
     poses = many_link_poses(robot, values)
     centers = [(poses[link.name] @ np.append(link.inertial.com, 1.0))[:, :3] for link in robot.links]
     all_centers = np.concatenate(centers)
     fixed_links = _rigid_with_root(robot) if robot.base.fixed else set()
-    mass = sum(link.inertial.mass for link in robot.links if link.name not in fixed_links)
+    moving_links = [link for link in robot.links if link.name not in fixed_links]
+    mass = sum(link.inertial.mass for link in moving_links)
+    held_mass = sum(link.inertial.mass * compensated.get(link.name, 0.0) for link in moving_links)
     reach = float(np.linalg.norm(all_centers.max(axis=0) - all_centers.min(axis=0)))
-    return LoadBounds(mass * float(np.linalg.norm(up)), mass, reach)
+    return LoadBounds((mass - held_mass) * float(np.linalg.norm(up)), mass, reach)
 
 
 def _rigid_with_root(robot: Robot) -> set[str]:
@@ -118,19 +121,23 @@ def loads(
     driven: Sequence[str],
     up: Array,
     bounds: LoadBounds,
+    compensated: Mapping[str, float],
 ) -> dict[str, Load]:
     """Returns the load of each driven dof over the poses `values`, the first of which is `home`. `up` (3,)
-    [m/s²]: opposite to gravity, in the root link's axes; `bounds`: the limits for dofs of loops.
+    [m/s²]: opposite to gravity, in the root link's axes; `bounds`: the limits for dofs of loops;
+    `compensated`: link → the share of its weight that gravity compensation holds, which reduces the forces
+    and not the inertias.
 
     With a free base, half of the feet carry the whole robot. The loads of the dofs between a foot and the
     root include this case.
     """
-    forces = holding_forces(robot, values, up)
+    lightened = without_compensated_weight(robot, compensated)
+    forces = holding_forces(lightened, values, up)
     rates = couplings.moved_by(driven)
     singular = couplings.near_singular(driven)
     feet = {} if robot.base.fixed else _feet(robot, up)
     share = 2.0 / max(2, len(feet))
-    forces_on_feet = holding_forces(robot, values, up, share) if feet else {}
+    forces_on_feet = holding_forces(lightened, values, up, share) if feet else {}
     on_feet = {name for way in feet.values() for name in way}
     inertias_on_feet = held_inertias(robot, home(robot)) if feet else {}
     rows = _inertia_rows(values)
@@ -163,8 +170,8 @@ def combined_force(forces: Mapping[str, Array], rates: Rates) -> Array:
 
 
 def without_compensated_weight(robot: Robot, compensated: Mapping[str, float]) -> Robot:
-    """Returns the robot without the weight that gravity compensation holds. `compensated`: link → the share
-    of its weight."""
+    """Returns the robot with the masses that remain for its actuators to hold: it has the loads of the robot,
+    but not its inertias. `compensated`: link → the share of its weight that gravity compensation holds."""
     if not compensated:
         return robot
     links = tuple(

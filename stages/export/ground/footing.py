@@ -40,12 +40,14 @@ def supports(
 ) -> tuple[GroundSupport, ...]:
     """Returns the points on which the robot stands at `q`, and the forces of the ground that balance its
     weight. The forces are along `up` (3,) [m/s², in the root link's axes], and have the least sum of squares.
-    Returns () if the robot does not stand: nothing touches the ground, or the centre of mass is not above the
-    points that do. `world_from_root` (4, 4): the pose of the root link."""
+    Returns () if the robot has no weight or does not stand: nothing touches the ground, or the centre of mass
+    is not above the points that do. `world_from_root` (4, 4): the pose of the root link."""
     if ground.kind == "none" or not np.any(up):
         return ()
     contacts = list(touching(robot, geometry, world_from_root, ground, q))
     if not contacts:
+        return ()
+    if not any(link.inertial.mass for link in robot.links):
         return ()
     links, points = zip(*contacts, strict=True)
     mass, center = mass_and_center(robot, q)

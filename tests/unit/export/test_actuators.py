@@ -221,6 +221,16 @@ def test_compensated_weight_makes_no_sag():
     assert sag == pytest.approx(0.5 * MASS * GRAVITY * ARM / 500, rel=0.01)
 
 
+def test_compensated_links_keep_their_inertia():
+    """Without a load, the natural frequency of 10 Hz decides on the stiffness."""
+    drive = actuation(pendulum(), **{"*": {"type": "position", "gravcomp": 1}})
+    (servo,) = drive.actuators
+    inertia = MASS * (ARM**2 + 1e-4)
+    assert servo.load == pytest.approx(0.0, abs=1e-12)
+    assert servo.kp == pytest.approx(inertia * (2 * math.pi * 10) ** 2, rel=0.01)
+    assert servo.kv == pytest.approx(2 * math.sqrt(servo.kp * (inertia + drive.armatures[0].value)), rel=0.01)
+
+
 @pytest.mark.parametrize(("actuators", "driven"), [
     ({"*": "position"}, ["a_joint"]),
     ({"*": "position", "b_joint": {"kp": 5}}, ["b_joint"]),

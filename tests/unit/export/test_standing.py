@@ -207,6 +207,13 @@ def test_joints_and_ground_balance_the_whole_robot(tmp_path, ahead):
         assert np.abs(left[:6]).max() > 1.0
 
 
+def test_ground_does_not_carry_compensated_weight(tmp_path):
+    servos = {"*": "position", "*_hip": {"gravcomp": 1}}
+    model = scene_of(dog(), tmp_path, actuators=servos)
+    home, data = model.key("home").qpos, at_home(model, 10.0)
+    assert np.abs(data.qpos[7:] - home[7:]).max() < 2e-3
+
+
 @pytest.mark.parametrize(("ahead", "keys"), [
     (0.0, {"ground": {"kind": "none"}}), (0.0, {"scene": {"pose": {"xyz": [0, 0, 2.0]}}}), (0.6, {}),
 ], ids=["no ground", "in the air", "it would fall"])  # fmt: skip
