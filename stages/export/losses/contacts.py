@@ -15,19 +15,21 @@ if TYPE_CHECKING:
     from linkwright.stages.export.urdf.srdf.model import SrdfPlan
 
 
-def _properties(case: Case[Any]) -> Iterator[str]:
-    """Yields, by link, the contact properties that a format lacks. SDF and USD have friction; SDF has only
-    sliding friction."""
-    lost = {}
+def _contact_properties(case: Case[Any]) -> Iterator[str]:
+    """Yields, by link, the contact properties of its colliders that a format lacks. SDF and USD have
+    friction; SDF has only sliding friction."""
+    properties_of_link: dict[str, dict[str, None]] = {}
     for shape in case.written.shapes.shapes:
         if shape.contact is not None and shape.role == "collision":
-            keys = [key for key in shape.contact.given() if case.format == "urdf" or key != "friction"]
+            properties = [
+                name for name in shape.contact.given() if case.format == "urdf" or name != "friction"
+            ]
             friction = shape.contact.friction
             if case.format == "sdf" and friction is not None and any(friction[1:]):
-                keys.insert(0, "friction (torsional, rolling)")
-            if keys:
-                lost[shape.link] = keys
-    return (f"{link}: {', '.join(keys)}" for link, keys in lost.items())
+                properties.insert(0, "friction (torsional, rolling)")
+            if properties:
+                properties_of_link.setdefault(shape.link, {}).update(dict.fromkeys(properties))
+    return (f"{link}: {', '.join(properties)}" for link, properties in properties_of_link.items())
 
 
 def _pairs(pairs: Iterable[Pair]) -> list[str]:
@@ -55,14 +57,14 @@ CONTACTS = (
     ),
     Loss(
         {"urdf": "I-URDF-CONTACT"},
-        _properties,
+        _contact_properties,
         "URDF has no contact properties, so these are left out: {}",
         "use the MJCF",
         "; ".join,
     ),
     Loss(
         {"sdf": "I-SDF-CONTACT", "usd": "I-USD-CONTACT"},
-        _properties,
+        _contact_properties,
         "{format} has no such contact properties, so these are left out: {}",
         "use the MJCF",
         "; ".join,

@@ -267,6 +267,13 @@ def test_friction_is_that_of_sliding_and_the_rest_is_reported():
     assert said.endswith("arm: friction (torsional, rolling), priority")
 
 
+def test_lost_contact_properties_are_those_of_all_colliders_of_a_link():
+    contacts = ContactProperties(priority=2, condim=4), ContactProperties(margin=0.001, condim=6)
+    shapes = tuple(replace(HULL, contact=contact) for contact in contacts)
+    (lost,) = messages_of(sdf_export(arm(), Geometry(shapes, FILES)), "I-SDF-CONTACT")
+    assert lost.endswith("arm: condim, priority, margin")
+
+
 @pytest.mark.parametrize(("self_contact", "collides"), [(True, "true"), (False, None)])
 def test_links_collide_with_each_other_as_the_robots_do(self_contact, collides):
     robot = robot_with([joint("revolute", "base", "arm"), joint("revolute", "arm", "hand")])
