@@ -68,9 +68,14 @@ def armature(kp: float, load: Load | None, timestep: float, coupled: bool) -> fl
 
 
 def longest_timestep(kp: float, load: Load, coupled: bool) -> float:
-    """Returns the longest time step [s] at which a servo of this stiffness needs no armature beyond
-    `MAX_ARMATURE_SHARE`."""
-    return rounded(_max_step_phase(coupled) * math.sqrt(MAX_ARMATURE_SHARE * load.carried / kp), 1)
+    """Returns the longest time step [s] of one significant digit at which a servo of this stiffness needs no
+    armature beyond `MAX_ARMATURE_SHARE`."""
+    longest = _max_step_phase(coupled) * math.sqrt(MAX_ARMATURE_SHARE * load.carried / kp)
+    step = rounded(longest, 1)
+    if step <= longest:
+        return step
+    unit = 10.0 ** math.floor(math.log10(longest))
+    return rounded(step - unit, 1)
 
 
 def damping(kp: float, ratio: float, inertia: float) -> float:

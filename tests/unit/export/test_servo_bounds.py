@@ -125,6 +125,17 @@ def test_given_stiffness_stays_with_a_bounded_armature():
     assert "W-ACTUATOR-STEP" not in remarks
 
 
+@pytest.mark.parametrize("kp", [8e3, 1.2e4, 3.2e4])
+def test_advised_time_step_is_short_enough(kp):
+    """The longest is no round number: 1.9, 1.5 and 0.95 ms."""
+    entry = {"type": "position", "kp": kp}
+    _, remarks = driven(pendulum(), timestep=0.002, **{"*": entry})
+    step = float(remarks["W-ACTUATOR-STEP"].hint.split("timestep: ")[1].split("}")[0])
+    assert step < 0.002
+    _, remarks = driven(pendulum(), timestep=step, **{"*": entry})
+    assert "W-ACTUATOR-STEP" not in remarks
+
+
 def test_armature_above_the_inertia_at_home_is_a_warning():
     """Two turns one on the other: folded at home the first moves little, stretched four times as much."""
     limits = {"fold": Limits(-3.1, 3.1), "swing": Limits(-1.0, 1.0)}
