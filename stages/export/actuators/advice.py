@@ -6,18 +6,18 @@ import numpy as np
 
 from linkwright.stages.export.actuators.choices import ChosenActuator, driven_order
 from linkwright.stages.export.actuators.loads import postures
-from linkwright.stages.robot.dynamics.statics import GRAVITY
+from linkwright.stages.robot.dynamics.statics import GRAVITY, holding_forces
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.motion.couplings import Couplings
-from linkwright.stages.robot.motion.kinematics import link_poses
+from linkwright.stages.robot.motion.pose_batch import repeated
 from linkwright.stages.robot.motion.start_pose import home
 
 _MAX_DOFS = 50
 """Largest number of dofs for which the driver of a follower is looked for: the time grows with the square."""
 
-NEGLIGIBLE = 1e-6
-"""Forces [N m or N] below this share of the robot's weight (times 1 m) count as zero."""
+MIN_WEIGHT_SHARE = 1e-6
+"""Smallest force [N m or N] that counts, as a share of the robot's weight (times 1 m for a turn)."""
 
 
 def advice(
@@ -26,13 +26,20 @@ def advice(
     """Returns the override that makes a robot hold itself, if it has no actuators and at `home` a dof bears
     more weight than its friction holds; else "". For a dof that follows another, the text names the other.
     `gravity` (3,) [m/s²]: in the world."""
-    if actuation.actuators or not robot.mobility.dof:
+    if actuation.actuators or _has_other_actuators(robot) or not robot.mobility.dof:
         return ""
     falling = _falling_dof(robot, world_from_root, gravity)
     if not falling:
         return ""
     falling = _driver(robot, falling)
     return f"nothing holds {falling} against its weight: try actuators=position"
+
+
+def _has_other_actuators(robot: Robot) -> bool:
+    """Returns whether an MJCF source has actuators that do not drive a single joint, such as those of
+    tendons."""
+    sections = robot.mjcf.sections if robot.mjcf is not None else ()
+    return any(section.tag == "actuator" for section in sections)
 
 
 def _driver(robot: Robot, dof: str) -> str:
@@ -54,25 +61,15 @@ def _driver(robot: Robot, dof: str) -> str:
 
 
 def _falling_dof(robot: Robot, world_from_root: Array, gravity: Sequence[float]) -> str:
-    """Returns the first dof that its friction does not hold, or "". The search starts at the leaves, where
-    most robots have such a dof."""
-    poses = link_poses(robot, home(robot))
+    """Returns the turn or slide furthest from the root that its friction does not hold at `home`, or ""."""
     up = -world_from_root[:3, :3].T @ gravity
-    weight = {link.name: link.inertial.mass for link in robot.links}
-    moment = {
-        link.name: weight[link.name] * (poses[link.name] @ np.append(link.inertial.com, 1.0))[:3]
-        for link in robot.links
-    }
-    tolerance = NEGLIGIBLE * sum(weight.values()) * float(np.linalg.norm(up))
+    forces = holding_forces(robot, repeated(home(robot), 1), up)
+    weight = sum(link.inertial.mass for link in robot.links) * float(np.linalg.norm(up))
     for joint in reversed(robot.joints):
-        dof = joint.dofs[-1] if joint.dofs else None
-        if dof is not None and dof.kind in ("turn", "slide"):
-            pose = poses[joint.child]
-            axis = pose[:3, :3] @ dof.axis
-            arm = moment[joint.child] - weight[joint.child] * pose[:3, 3]
-            force = weight[joint.child] * axis @ up if dof.kind == "slide" else np.cross(axis, arm) @ up
-            if abs(force) > tolerance + (dof.dynamics.friction or 0.0):
+        for dof in reversed(joint.dofs):
+            if dof.kind not in ("turn", "slide"):
+                continue
+            force = abs(float(forces[dof.name][0, 0]))
+            if force > MIN_WEIGHT_SHARE * weight + (dof.dynamics.friction or 0.0):
                 return dof.name
-        weight[joint.parent] += weight[joint.child]
-        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
     return ""

@@ -16,6 +16,7 @@ from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.pose_batch import select
 from linkwright.stages.robot.motion.pose_samples import sampled_poses
 from linkwright.stages.robot.motion.start_pose import saved
+from tests.support import mjcfs
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.exports import compiled, exported, messages_of
 from tests.support.pendulums import ACROSS, ARM, GRAVITY, MASS, actuation, at_home, lump, pendulum, targeted
@@ -213,6 +214,23 @@ def test_advice_is_empty_where_nothing_falls():
     assert exported(pendulum(), actuators={"*": "motor"}).advice == ""
     upright = robot_with([joint("revolute", "base", "arm", [0.0])])
     assert exported(upright).advice == ""
+
+
+def test_advice_names_any_dof_of_a_joint():
+    """A cylindrical joint along gravity, whose slide comes before its turn."""
+    robot = robot_with([joint("cylindrical", "base", "rod", [0.0, 0.0])])
+    assert exported(robot).advice.startswith("nothing holds rod_joint_slide against its weight")
+
+
+def test_advice_leaves_out_robots_that_tendons_drive(tmp_path):
+    hinge = '<joint name="hinge" axis="0 1 0"/><geom size="0.05" pos="0.1 0 0"/>'
+    arm = mjcfs.body("base", mjcfs.body("arm", hinge))
+    more = '<tendon><fixed name="cord"><joint joint="hinge" coef="2"/></fixed></tendon>'
+    servo = '<actuator><position name="servo" tendon="cord" kp="100"/></actuator>'
+    advice = [
+        mjcfs.rebuilt(mjcfs.written(tmp_path, mjcfs.model(arm, text))).advice for text in (more, more + servo)
+    ]
+    assert advice == ["nothing holds hinge against its weight: try actuators=position", ""]
 
 
 def weighing():
