@@ -48,12 +48,13 @@ def choose_actuators(
 ) -> dict[str, ChosenActuator]:
     """Returns the choice for each dof of the tree that an entry matches, in tree order.
 
-    Later entries win, property by property. An entry with another type starts from that type's defaults and
-    keeps the motor. A motor that is assigned to the dof by name stays, whatever globs come later.
+    Later entries win, property by property. An entry with another type than the earlier entries, or than
+    their motor, starts from that type's defaults and keeps the motor. A motor that is assigned to the dof by
+    name stays, whatever globs come later.
 
     Reports an entry other than "*" that matches no dof (E-GLOB); an entry that names a dof that cannot be
-    driven, a parameter that the type does not have, and a number that applies to both turns and slides
-    (E-ACTUATOR); and a motor that cannot drive the dof (E-MOTOR).
+    driven, a dof without a type, a parameter or a motor that the type does not have, and a number that
+    applies to both turns and slides (E-ACTUATOR); and a motor that cannot drive the dof (E-MOTOR).
     """
     for glob, section in entries.items():
         _check_dofs(glob, section, robot, log)
@@ -69,45 +70,81 @@ def choose_actuators(
     return choices
 
 
+@dataclass(slots=True)
+class _MergedEntries:
+    """The entries that match a dof, merged in their order."""
+
+    dof: str
+    type: str | None = None
+    parameters: dict[str, Any] = field(default_factory=dict)
+    origin: dict[str, str] = field(default_factory=dict)
+
+    named: bool = False
+    """Whether an entry names the dof without wildcards, and drives it."""
+
+    motor: str = ""
+    motor_named: bool = False
+
+    idle_motor_glob: str = ""
+    """The glob of the last entry that gives a motor and no type while the type is none."""
+
+    last_glob: str = ""
+    """The glob of the last entry that matches; "" before the first."""
+
+    def merge(self, glob: str, section: ActuatorSection, motors: Mapping[str, MotorSection]) -> None:
+        """Lets an entry that matches the dof override the earlier ones."""
+        is_exact = glob == self.dof
+        self.last_glob = glob
+        if section.type is not None:
+            motor_type = motors[self.motor].type if self.motor in motors else None
+            if (self.type or motor_type) not in (None, section.type):
+                self.parameters = {}
+            self.type = section.type
+            self.idle_motor_glob = ""
+        parameters = section.explicit()
+        if "kv" in parameters or "dampratio" in parameters:
+            # They exclude each other.
+            self.parameters.pop("kv", None)
+            self.parameters.pop("dampratio", None)
+        self.parameters |= parameters
+        self.origin |= dict.fromkeys(parameters, glob)
+        # What is more specific wins: a motor that is named for the dof stays, whatever globs come later.
+        if section.motor and (is_exact or not self.motor_named):
+            self.motor, self.motor_named = section.motor, is_exact
+            self.idle_motor_glob = glob if self.type == "none" else ""
+        self.named = self.named or (is_exact and self.type != "none")
+
+
 def _choice_of(
     dof: Dof, entries: Mapping[str, ActuatorSection], motors: Mapping[str, MotorSection], log: Diagnostics
 ) -> ChosenActuator | None:
-    kind: str | None = None
-    motor, motor_named = "", False
-    parameters: dict[str, Any] = {}
-    origin: dict[str, str] = {}
-    named, last_glob = False, ""
+    """Returns the choice for a turn or slide; None without an entry for it, or if its entries have a problem
+    that leaves no choice."""
+    merged = _MergedEntries(dof.name)
     for glob, section in entries.items():
-        if not matches_glob(dof.name, glob) or section.only_measures:
-            continue
-        last_glob = glob
-        if section.type is not None and section.type != kind:
-            kind, parameters = section.type, {}
-        parameters_set = section.explicit()
-        if "kv" in parameters_set or "dampratio" in parameters_set:
-            parameters = {
-                name: value for name, value in parameters.items() if name not in ("kv", "dampratio")
-            }
-        parameters |= parameters_set
-        # What is more specific wins: a motor that is named for the dof stays, whatever globs come later.
-        if section.motor and (glob == dof.name or not motor_named):
-            motor, motor_named = section.motor, glob == dof.name
-        origin |= dict.fromkeys(parameters_set, glob)
-        named = named or (glob == dof.name and kind != "none")
-    if not last_glob:
+        if matches_glob(dof.name, glob) and not section.only_measures:
+            merged.merge(glob, section, motors)
+    if not merged.last_glob:
         return None
-    if kind == "none":
-        motor = ""
-    if motor and not _can_drive(motor, motors, dof, parameters, log):
+    if merged.idle_motor_glob:
+        text = (
+            f"{merged.idle_motor_glob!r} gives a motor, but an earlier entry gives {dof.name} the type none"
+        )
+        log.report("E-ACTUATOR", text, WHERE, "give a type, too: position, motor, ...")
         return None
+    motor = "" if merged.type == "none" else merged.motor
+    if motor and not _can_drive(motor, motors, dof, merged.parameters, log):
+        return None
+    kind = merged.type
     if kind is None and motor:
         kind = motors[motor].type
     if kind is None:
-        text = f"{last_glob!r} gives no actuator type for {dof.name}"
+        text = f"{merged.last_glob!r} gives no actuator type for {dof.name}"
         log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity, ..., or a motor")
         return None
-    choice = ChosenActuator(kind, parameters, named, motor, motor_named, origin)
-    _check_parameters(choice, dof, last_glob, motors, log)
+    parameters = merged.parameters
+    choice = ChosenActuator(kind, parameters, merged.named, motor, merged.motor_named, merged.origin)
+    _check_parameters(choice, dof, merged.last_glob, motors, log)
     if (control := parameters.get("ctrlrange")) is not None:
         _check_control(choice, dof, control, log)
         parameters["ctrlrange"] = tuple(float(end) for end in control)

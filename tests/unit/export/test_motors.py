@@ -294,6 +294,22 @@ def test_type_none_takes_a_motor_out():
     assert not compiled(exported(pendulum(), actuators={"*": {"motor": "sts3215"}, "arm*": "none"})).nu
 
 
+def test_motor_after_the_type_none_needs_a_type():
+    entries = {"*": "none", "arm_joint": {"motor": "sts3215"}}
+    code, message, hint = problem(pendulum(), **entries)
+    assert (code, hint) == ("E-ACTUATOR", "give a type, too: position, motor, ...")
+    assert message == "'arm_joint' gives a motor, but an earlier entry gives arm_joint the type none"
+    entries["arm_joint"] = {"motor": "sts3215", "type": "position"}
+    assert compiled(exported(pendulum(), actuators=entries)).nu == 1
+
+
+@pytest.mark.parametrize("first", [{"kp": 7, "gear": 3}, {"motor": "sts3215", "kp": 7, "gear": 3}])
+def test_type_that_an_entry_repeats_or_adds_keeps_parameters(first):
+    entries = {"*": first, "arm_joint": "position"}
+    (servo,) = exported(pendulum(), actuators=entries).written.actuation.actuators
+    assert (servo.kp, servo.gear) == (7, 3)
+
+
 @since(3, 7)
 def test_dc_motor_whose_constants_nobody_knows_is_told():
     entries = {"*": {"type": "dcmotor", "motor": "erob80_100"}}
