@@ -159,7 +159,7 @@ def _check_control(choice: ChosenActuator, dof: Dof, control: Sequence[float], l
     kind, why = dof.kind, f"{dof.name} is a {dof.kind}"
     if choice.motor:
         kind, why = "turn", f"the motor {choice.motor} turns"
-    text = misfit(dimensioned[0], kind)
+    text = next((problem for end in dimensioned if (problem := misfit(end, kind))), "")
     hint = unit_hint(kind)
     if choice.type not in ("position", "pid"):
         text = f"{dimensioned[0].typed!r} is an angle or a length"
@@ -198,7 +198,8 @@ def _can_drive(
         log.report("E-MOTOR", f"there is no motor {motor}", WHERE, hint.lstrip())
     elif dof.kind == "slide" and "gear" not in parameters:
         text = f"the motor {motor} turns, but {dof.name} slides"
-        hint = f"give the turn of the motor per metre [rad/m]: actuators: {{{dof.name}: {{gear: ...}}}}"
+        entry = f"actuators: {{{yaml_key(dof.name)}: {{gear: ...}}}}"
+        hint = f"give the turn of the motor per metre [rad/m]: {entry}"
         log.report("E-MOTOR", text, WHERE, hint)
     else:
         return True

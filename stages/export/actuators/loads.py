@@ -135,7 +135,8 @@ def loads(
     forces = holding_forces(lightened, values, up)
     rates = couplings.moved_by(driven)
     singular = couplings.near_singular(driven)
-    feet = {} if robot.base.fixed else _feet(robot, up)
+    # Without gravity nothing stands.
+    feet = {} if robot.base.fixed or not np.any(up) else _feet(robot, up)
     share = 2.0 / max(2, len(feet))
     forces_on_feet = holding_forces(lightened, values, up, share) if feet else {}
     on_feet = {name for way in feet.values() for name in way}

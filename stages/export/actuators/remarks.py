@@ -32,7 +32,7 @@ def report_actuation(
         text = f"in closed loops these are driven: {name_list(driven_in_loops)}; "
         text += f"these follow: {name_list(undriven)}"
         example = driven_in_loops[0] if driven_in_loops else undriven[0]
-        hint = f"to drive others, take one out: actuators: {{{example}: none}}"
+        hint = f"to drive others, take one out: actuators: {{{yaml_key(example)}: none}}"
         log.report("I-ACTUATOR", text, WHERE, hint)
     dofs = {dof.name: dof for dof in robot.dofs}
     _report_sag(actuation, dofs, log)

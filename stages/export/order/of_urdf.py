@@ -42,7 +42,9 @@ def _tree_order(root: Element) -> Iterator[str]:
         if None in ends:
             continue
         parent, child = (end.get("link") for end in ends)
-        children_of.setdefault(parent, []).append((node.get("name"), child, node.get("type") in UNITS))
+        # A joint of the user's own XML may lack a name.
+        name = node.get("name", "")
+        children_of.setdefault(parent, []).append((name, child, node.get("type") in UNITS))
         children.add(child)
     roots = [node.get("name") for node in root.iterchildren("link") if node.get("name") not in children]
     stack = [("", link, False) for link in reversed(roots)]

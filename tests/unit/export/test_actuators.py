@@ -339,6 +339,8 @@ def test_control_of_a_position_servo_takes_units():
     wrong = {"arm_joint": {"type": "position", "ctrlrange": ["-30 mm", 0.5]}}
     text = "ctrlrange of arm_joint: '-30 mm' is no angle, and arm_joint is a turn"
     assert problem(both(), **wrong) == ("E-ACTUATOR", text, "give it in rad, or as '-90 deg'")
+    wrong = {"arm_joint": {"type": "position", "ctrlrange": ["-30 deg", "30 mm"]}}
+    assert problem(both(), **wrong)[1] == text.replace("-30", "30")
     wrong = {"arm_joint": {"type": "motor", "ctrlrange": ["-30 deg", 0.5]}}
     assert problem(both(), **wrong)[1] == (
         "ctrlrange of arm_joint: '-30 deg' is an angle or a length, and the control of type motor is neither"

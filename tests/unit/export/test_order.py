@@ -228,6 +228,16 @@ def test_model_that_does_not_compile_is_left_to_the_checks():
     assert [row.tree for row in urdf_rows(parse(urdf), {}, {})] == [None]
 
 
+def test_urdf_joint_without_a_name_has_a_row():
+    joints = "".join(
+        f"<joint {name} type='revolute'><parent link='a'/><child link='{child}'/></joint>"
+        for name, child in (("", "b"), ("name='turn'", "c"))
+    )
+    links = "".join(f"<link name='{link}'/>" for link in "abc")
+    rows = list(urdf_rows(parse(f"<robot name='r'>{links}{joints}</robot>".encode()), {}, {}))
+    assert [(row.name, row.tree) for row in rows] == [(None, None), ("turn", 1)]
+
+
 def test_deep_tree_is_walked():
     text = "<body><joint/>" * 1500 + "</body>" * 1500
     root = parse(f"<mujoco><worldbody>{text}</worldbody></mujoco>".encode(), large=True)

@@ -126,6 +126,15 @@ def test_given_stiffness_stays_with_a_bounded_armature():
     assert "W-ACTUATOR-STEP" not in remarks
 
 
+def test_robot_without_gravity_does_not_stand():
+    swing = joint("revolute", "base", "arm", [0.0], place=ACROSS)
+    masses = {"base": lump(50.0, -1, 0, 0), "arm": lump(MASS, ARM, 0, 0)}
+    robot = robot_with([swing], inertials=masses, fixed=False)
+    entries = plan_of(actuators={"*": {"type": "position", "kp": 1e7}}).actuators
+    (armature,) = actuate(robot, entries, 0.002, np.eye(4), gravity=(0.0, 0.0, 0.0))[0].armatures
+    assert armature.value == pytest.approx(MASS * (ARM**2 + 1e-4), rel=0.01)
+
+
 @pytest.mark.parametrize("kp", [8e3, 1.2e4, 3.2e4])
 def test_advised_time_step_is_short_enough(kp):
     """The longest is no round number: 1.9, 1.5 and 0.95 ms."""
