@@ -101,7 +101,8 @@ def _joint(written: Written, joint: Joint, estimated: Collection[str]) -> JointR
 
 
 def _mate_quat(dof: Dof, backwards: bool = False) -> tuple[float, ...] | None:
-    """Returns a ball's saved value in the direction of its mate; None for other dofs."""
+    """Returns the quaternion (w, x, y, z) of a ball's saved value, in the direction of its mate; None for
+    other dofs, and without a saved value."""
     if dof.kind != "ball" or not isinstance(dof.saved, tuple):
         return None
     w, x, y, z = dof.saved
@@ -138,11 +139,12 @@ def _keyframes(robot: Robot) -> Iterator[KeyframeRecord]:
 
 def _shapes(geometry: Geometry) -> dict[str, Any]:
     """Returns the tables of shapes and colliders, with numbered rows."""
-    counts: Counter[tuple[str, ...]] = Counter()
+    row_counts: Counter[tuple[str, ...]] = Counter()
 
     def number(*key: str) -> int:
-        counts[key] += 1
-        return counts[key] - 1
+        """Returns the number of rows with this key so far, and counts another."""
+        row_counts[key] += 1
+        return row_counts[key] - 1
 
     return {
         "shapes": [

@@ -70,14 +70,15 @@ Parameters = Annotated[tuple[Number, ...], Field(min_length=1, max_length=10)]
 
 class ActuatorSection(Section):
     """What drives the dofs that a glob matches. May be given as the name of a type alone. What is null comes
-    from an earlier entry that matches, of the same type, or is chosen by Linkwright."""
+    from an earlier entry that matches, unless that has another type, or is chosen by Linkwright."""
 
     type: Annotated[ActuatorName | None, example("position")] = None
     """none: no actuator, not even the source's; motor: the control is the torque or force; position: a servo
     that holds a value; velocity: a servo that holds a speed; intvelocity: a servo whose target moves at the
     speed of the control; damper: the control is a share of the damping `kv`; pid: a position servo with an
     integral part (MuJoCo 3.12); dcmotor: the control is the voltage of a DC motor (MuJoCo 3.7); general:
-    MuJoCo's own parameters. null: as in an earlier entry that matches, otherwise none."""
+    MuJoCo's own parameters. null: as in an earlier entry that matches, otherwise that of the motor; only an
+    entry of nothing but sensors needs neither."""
 
     gear: Annotated[Annotated[Number, AfterValidator(_not_zero)] | None, example(50)] = None
     """Ratio of the actuator's motion to the dof's [-]; null: 1. The control and the parameters are those of

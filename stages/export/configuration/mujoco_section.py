@@ -1,7 +1,8 @@
 """Defines the configuration of MuJoCo's own settings, `scene.option` and `scene.compiler`: every attribute of
 the MuJoCo that is installed and of all that are supported (its XML reference, `option`, `flag`, `compiler`).
 
-What is not given stays MuJoCo's default and is not written.
+Attributes that neither the configuration, the source nor a target sets keep MuJoCo's default and are not
+written, except those of `DEFAULTS`.
 """
 
 from collections.abc import Mapping
@@ -36,7 +37,7 @@ Automatic = Annotated[
 
 
 class _Sparse(Section):
-    """Attributes of MuJoCo; only those that are set are written."""
+    """Attributes of an element of MuJoCo; null: not set, and left out of the file."""
 
     @model_serializer(mode="wrap")
     def _without_nulls(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -61,7 +62,8 @@ class _Sparse(Section):
 def _section(
     name: str, text: str, fields: Mapping[str, tuple[Any, Any, str]], base: type[_Sparse] = _Sparse
 ) -> Any:
-    """Returns a section with these fields: type, default and meaning."""
+    """Makes a class of section. `text`: its docstring; `fields`: name → (type, default, meaning), where a
+    field whose default is None may also be null."""
     section_fields: dict[str, Any] = {
         key: (kind if default is not None else kind | None, Field(default=default, description=meaning))
         for key, (kind, default, meaning) in fields.items()
@@ -69,7 +71,9 @@ def _section(
     return create_model(name, __base__=base, __doc__=text, __module__=__name__, **section_fields)
 
 
-def _of(kind: Any, element: str, *names: str) -> dict[str, tuple[Any, None, str]]:
+def _attributes(kind: Any, element: str, *names: str) -> dict[str, tuple[Any, None, str]]:
+    """Returns the fields for attributes of an element of MuJoCo that have the same type: name → (type,
+    default, meaning)."""
     return dict.fromkeys(names, (kind, None, f"As MuJoCo's attribute of `<{element}>`."))
 
 
@@ -91,12 +95,12 @@ class _Compiler(_Sparse):
 
 
 DEFAULTS = {"timestep": 0.002, "integrator": "implicitfast"}
-"""Options that are always written."""
+"""Values of the options that are written even if nothing sets them."""
 
 FlagsSection = _section(
     "FlagsSection",
     "MuJoCo's `<flag>`: parts of the simulation that are switched on or off.",
-    _of(
+    _attributes(
         Switch, "flag", "actuation", "autoreset", "clampctrl", "constraint", "contact", "damper", "diagexact",
         "energy", "equality", "eulerdamp", "filterparent", "frictionloss", "fwdinv", "gravity", "invdiscrete",
         "ipc", "island", "limit", "midphase", "multiccd", "nativeccd", "override", "passive", "refsafe",
@@ -127,17 +131,19 @@ OptionSection = _section(
             "How much stiffer friction is than contact [-]; 10 to 100 keep feet from slipping with elliptic "
             "cones. null: MuJoCo's own.",
         ),
-        **_of(Triple, "option", "gravity", "wind", "magnetic"),
-        **_of(NonNegative, "option", "density", "viscosity", "tolerance", "ls_tolerance", "noslip_tolerance"),
-        **_of(NonNegative, "option", "ccd_tolerance", "sleep_tolerance", "apirate"),
-        **_of(Whole, "option", "iterations", "ls_iterations", "noslip_iterations", "ccd_iterations"),
-        **_of(Whole, "option", "sdf_iterations", "sdf_initpoints"),
-        **_of(Number, "option", "o_margin"),
-        **_of(tuple[Number, Number], "option", "o_solref"),
-        **_of(tuple[Number, Number, Number, Number, Number], "option", "o_solimp", "o_friction"),
-        **_of(tuple[Whole, ...], "option", "actuatorgroupdisable"),
-        **_of(Literal["PGS", "CG", "Newton"], "option", "solver"),
-        **_of(Literal["dense", "sparse", "auto"], "option", "jacobian"),
+        **_attributes(Triple, "option", "gravity", "wind", "magnetic"),
+        **_attributes(
+            NonNegative, "option", "density", "viscosity", "tolerance", "ls_tolerance", "noslip_tolerance"
+        ),
+        **_attributes(NonNegative, "option", "ccd_tolerance", "sleep_tolerance", "apirate"),
+        **_attributes(Whole, "option", "iterations", "ls_iterations", "noslip_iterations", "ccd_iterations"),
+        **_attributes(Whole, "option", "sdf_iterations", "sdf_initpoints"),
+        **_attributes(Number, "option", "o_margin"),
+        **_attributes(tuple[Number, Number], "option", "o_solref"),
+        **_attributes(tuple[Number, Number, Number, Number, Number], "option", "o_solimp", "o_friction"),
+        **_attributes(tuple[Whole, ...], "option", "actuatorgroupdisable"),
+        **_attributes(Literal["PGS", "CG", "Newton"], "option", "solver"),
+        **_attributes(Literal["dense", "sparse", "auto"], "option", "jacobian"),
         "flag": (FlagsSection, FlagsSection(), "Parts of the simulation that are switched on or off."),
     },
 )
@@ -146,12 +152,12 @@ LengthRangeSection = _section(
     "LengthRangeSection",
     "MuJoCo's `<lengthrange>`: how the range of lengths of actuators is found.",
     {
-        **_of(Literal["none", "muscle", "muscleuser", "all"], "lengthrange", "mode"),
-        **_of(Flag, "lengthrange", "useexisting", "uselimit"),
-        **_of(
+        **_attributes(Literal["none", "muscle", "muscleuser", "all"], "lengthrange", "mode"),
+        **_attributes(Flag, "lengthrange", "useexisting", "uselimit"),
+        **_attributes(
             NonNegative, "lengthrange", "accel", "maxforce", "timeconst", "timestep", "inttotal", "interval"
         ),
-        **_of(NonNegative, "lengthrange", "tolrange"),
+        **_attributes(NonNegative, "lengthrange", "tolrange"),
     },
 )
 
@@ -159,13 +165,17 @@ CompilerSection = _section(
     "CompilerSection",
     "MuJoCo's `<compiler>`, except attributes that decide how the robot's own file is read.",
     {
-        **_of(Flag, "compiler", "alignfree", "balanceinertia", "discardvisual", "fitaabb", "fusestatic"),
-        **_of(Flag, "compiler", "savecanonical", "savecompiled", "saveinertial", "usethread", "passthrough"),
-        **_of(NonNegative, "compiler", "boundmass", "boundinertia"),
-        **_of(Number, "compiler", "settotalmass"),
-        **_of(Automatic, "compiler", "inertiafromgeom"),
-        **_of(tuple[Whole, Whole], "compiler", "inertiagrouprange"),
-        **_of(Text, "compiler", "conflict"),
+        **_attributes(
+            Flag, "compiler", "alignfree", "balanceinertia", "discardvisual", "fitaabb", "fusestatic"
+        ),
+        **_attributes(
+            Flag, "compiler", "savecanonical", "savecompiled", "saveinertial", "usethread", "passthrough"
+        ),
+        **_attributes(NonNegative, "compiler", "boundmass", "boundinertia"),
+        **_attributes(Number, "compiler", "settotalmass"),
+        **_attributes(Automatic, "compiler", "inertiafromgeom"),
+        **_attributes(tuple[Whole, Whole], "compiler", "inertiagrouprange"),
+        **_attributes(Text, "compiler", "conflict"),
         "lengthrange": (
             LengthRangeSection,
             LengthRangeSection(),

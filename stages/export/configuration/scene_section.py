@@ -119,7 +119,7 @@ class CameraSection(Section):
     """Roll, pitch and yaw [rad]."""
 
     look_at: Annotated[Position | None, example([0, 0, 0.2])] = None
-    """For a camera in the world: the point [m] that it looks at, upright; `rpy` is then ignored."""
+    """For a camera in the world: the point [m] that it looks at, upright; excludes `rpy`."""
 
     fovy: Annotated[Degrees, Field(gt=0, lt=180)] = 45
     """Vertical field of view [deg], as in MuJoCo."""

@@ -235,7 +235,7 @@ class SensorSection(Section):
                         raise invalid(f"{key}: {name} is no {value.measure}, as {value.typed!r} is")
         for name in self.cutoff or {}:
             if name in WITHOUT_CUTOFF:
-                raise invalid(f"cutoff does not apply to {name}, which is a direction")
+                raise invalid(f"cutoff does not apply to {name}, which is an orientation")
 
     @property
     def measured(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Reports features of an MJCF source that no other format has."""
+"""Reports features of an MJCF source that the files of other formats lack."""
 
 from collections.abc import Collection, Iterator
 
