@@ -59,9 +59,9 @@ def describe(
         loops=[_loop(written, loop, estimated) for loop in robot.loops],
         frames=[FrameRecord.from_model(frame, urdf=frames[frame.name]) for frame in robot.frames],
         lowered=[
-            SplitJointRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.between)
+            SplitJointRecord(item.joint.name, tuple(joint.name for joint in item.joints), item.added_links)
             for item in lower(robot)
-            if item.between
+            if item.added_links
         ],
         couplings=written.urdf_form.couplings,
         urdf=UrdfPackageRecord(package) if package else None,

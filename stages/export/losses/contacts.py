@@ -50,7 +50,7 @@ def _no_self_contact(case: Case[Any]) -> bool:
 CONTACTS = (
     Loss(
         {"mjcf": "W-WIDE-EXCLUDE"},
-        lambda case: _pairs(case.plan.wide),
+        lambda case: _pairs(case.plan.widened_pairs),
         f"MuJoCo distinguishes {MAX_CLASSES} classes of the world's colliders, and more are needed, so these "
         "links collide with nothing of the world, although only some colliders should be excluded: {}",
         "use fewer colliders in `world`, or exclude other pairs in contact.exclude",
@@ -93,13 +93,13 @@ CONTACTS = (
     ),
     Loss(
         {"srdf": "I-SRDF-MANY"},
-        lambda case: not case.plan.disabled.worked_out,
+        lambda case: not case.plan.disabled.has_distant_pairs,
         f"more than {MAX_LINKS} links collide, too many to find out which of them never meet: MoveIt checks "
         "all pairs that no joint connects",
     ),
     Loss(
         {"srdf": "I-SRDF-PARTLY"},
-        lambda case: _pairs(case.plan.disabled.partly),
+        lambda case: _pairs(case.plan.disabled.partial_pairs),
         "an SRDF can only exclude whole links, so these do not collide at all, although only some of their "
         "colliders touch in every pose: {}",
         "the MJCF excludes single colliders",

@@ -68,7 +68,7 @@ def _mjcf_ball_zeros(case: Case[Any]) -> Iterator[str]:
 
 def _sdf_zeros(case: "Case[SdfPlan]") -> Iterator[str]:
     tree_dofs = {dof.name for joint in case.robot.joints if joint.type != "free" for dof in joint.dofs}
-    for name, value in case.plan.lowered.moved.items():
+    for name, value in case.plan.lowered.nonzero_values.items():
         if name in tree_dofs:
             turn = isinstance(value, tuple)
             yield f"{name} ({f'turned by {_angle(value):.4g} deg' if turn else f'{value:.6g}'})"

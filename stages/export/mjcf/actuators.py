@@ -17,8 +17,8 @@ def write_actuation(
     sensors: Sequence[Sensor],
     extras: MjcfExtras,
 ) -> None:
-    """Writes an element for each actuator, in the order of the dofs, and for each sensor, with the attributes
-    of an MJCF source."""
+    """Writes an element for each actuator, in the order of the dofs, and for each sensor. `extras`: the
+    content of an MJCF source, with further attributes of both."""
     if actuation.actuators:
         _write_actuators(root, actuation, extras.attributes_of("actuator"))
     attributes_of = extras.attributes_of("sensor")
@@ -37,10 +37,11 @@ def write_actuation(
 
 
 def _object_attributes(sensor: Sensor) -> dict[str, str | None]:
-    """Returns the attributes that name the object of a sensor. Sensors of frames have separate attributes for
-    its kind and its name."""
+    """Returns the attributes that name the object of a sensor, and the object that it is relative to. The
+    frame sensors of MuJoCo have separate attributes for the kind and the name of each."""
     if not sensor.target:
         return {}
+    # A projection into a camera's image.
     if sensor.relative_to == "camera":
         return {"camera": sensor.name_of_relative, sensor.target: sensor.name_of_target}
     if not sensor.type.startswith("frame"):
@@ -53,7 +54,10 @@ def _object_attributes(sensor: Sensor) -> dict[str, str | None]:
     }
 
 
-def _write_actuators(root: Element, actuation: Actuation, extras: Mapping[str, Mapping[str, str]]) -> None:
+def _write_actuators(
+    root: Element, actuation: Actuation, source_attributes: Mapping[str, Mapping[str, str]]
+) -> None:
+    """Writes the actuators. `source_attributes`: actuator → its attributes in an MJCF source."""
     section = element(root, "actuator")
     for actuator in actuation.actuators:
         element(
@@ -66,7 +70,7 @@ def _write_actuators(root: Element, actuation: Actuation, extras: Mapping[str, M
             kv=_number(actuator.kv),
             ctrlrange=_range(actuator.control),
             forcerange=_range(actuator.force),
-            **{**dict(actuator.terms), **extras.get(actuator.name, {})},
+            **{**dict(actuator.terms), **source_attributes.get(actuator.name, {})},
         )
 
 
@@ -94,7 +98,8 @@ def keyed_actuators(actuation: Actuation, keyframe: str, values: Configuration) 
 
 
 def key_attributes(actuators: Sequence[KeyedActuator]) -> dict[str, str | None]:
-    """Returns `act` and `ctrl` of a keyframe. `act` is None if all states are 0, `ctrl` without actuators."""
+    """Returns `act` and `ctrl` of a keyframe. `act` is None if all states are 0, MuJoCo's default; `ctrl` is
+    None if there are no actuators."""
     states = [state for actuator in actuators for state in actuator.states]
     ctrl = " ".join(number(actuator.control, least=TURN) for actuator in actuators)
     act = " ".join(number(state, least=TURN) for state in states) if any(states) else None
@@ -102,8 +107,10 @@ def key_attributes(actuators: Sequence[KeyedActuator]) -> dict[str, str | None]:
 
 
 def _number(value: float | None) -> str | None:
+    """Returns the text of a number that may be unset."""
     return None if value is None else number(value)
 
 
 def _range(ends: tuple[float, float] | None) -> str | None:
+    """Returns the text of a range that may be unset."""
     return None if ends is None else spaced(ends)

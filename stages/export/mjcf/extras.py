@@ -41,10 +41,13 @@ def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfE
     )
     names = _names(robot, geometry, replace(extras, mounted=mounted))
     excluded_pairs = _excluded_pairs(geometry)
-    recounted = {("joint", dof.name) for dof in robot.dofs if dof.mate_value != AS_THE_MATE}
+    joints_counted_otherwise = {("joint", dof.name) for dof in robot.dofs if dof.mate_value != AS_THE_MATE}
+    # Without shapes, nothing tells which geoms the robot has.
     shapes_unknown = not geometry.shapes
 
     def kept_elements(section: MjcfElement) -> Iterator[MjcfElement]:
+        """Yields the elements of a section that are kept, and adds them to `names`."""
+        # The contact filters of the configuration replace those of the source.
         if section.tag == "contact" and not shapes_unknown and not geometry.by_source:
             return
         for element in section.children:
@@ -54,7 +57,9 @@ def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfE
             if section.tag in ("asset", "worldbody"):
                 if (element.tag, element.name) not in replaced:
                     yield element
-            elif references <= names and not (section.tag in VALUE_SECTIONS and references & recounted):
+            elif references <= names and not (
+                section.tag in VALUE_SECTIONS and references & joints_counted_otherwise
+            ):
                 names.add((section.tag, element.name))
                 yield element
 
@@ -104,13 +109,14 @@ def report_lost(written: Written) -> Iterator[Diagnostic]:
     old_names, new_names = (
         [
             f"{section.tag} {element.name}".rstrip()
-            for section in (*origin.sections, *origin.scene)
+            for section in (*side.sections, *side.scene)
             for element in section.children
             if section.tag not in ("asset", "worldbody")
             and not (element.tag == "pair" and frozenset(element.named()) in excluded_pairs)
         ]
-        for origin in (robot.mjcf, extras)
+        for side in (robot.mjcf, extras)
     )
+    # Several elements can have the same text, if they have no name.
     lost_names = list(old_names)
     for name in new_names:
         lost_names.remove(name)

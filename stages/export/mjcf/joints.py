@@ -15,12 +15,12 @@ from linkwright.stages.robot.motion.kinematics import chain
 from linkwright.stages.robot.text.names import free_name
 
 UNBOUNDED_END = "1e6"
-"""Substitute for the missing end of a one-sided limit: MuJoCo has no one-sided range."""
+"""Substitute [rad or m] for the missing end of a one-sided limit: MuJoCo has no one-sided range."""
 
-TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
+JOINT_TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
+"""Kind of a dof → MuJoCo's type of its joint."""
 
-
-NO_EXTRAS: Mapping[str, Mapping[str, str]] = {}
+NO_ATTRIBUTES: Mapping[str, Mapping[str, str]] = {}
 
 
 def write_joints(
@@ -29,12 +29,12 @@ def write_joints(
     start: Configuration,
     compensating: Collection[str] = (),
     body_from_link: Array = UNMOVED,
-    extras: Mapping[str, Mapping[str, str]] = NO_EXTRAS,
+    source_attributes: Mapping[str, Mapping[str, str]] = NO_ATTRIBUTES,
 ) -> None:
     """Writes the `<joint>`s of a body. The pose of its link in the parent is the chain of `dofs` at `start`.
 
     `compensating`: the dofs whose actuators hold the weight that bodies compensate; `body_from_link` (4, 4);
-    `extras`: dof → attributes of an MJCF source, which override the attributes of the model.
+    `source_attributes`: dof → its attributes in an MJCF source, which override those of the robot.
     """
     for index, dof in enumerate(dofs):
         later_dofs = dofs[index + 1 :]
@@ -42,14 +42,18 @@ def write_joints(
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:
-            attributes = _joint(dof, body_from_dof, start[dof.name], dof.name in compensating)
-            element(body, "joint", **{**attributes, **extras.get(dof.name, {})})
+            attributes = _joint_attributes(dof, body_from_dof, start[dof.name], dof.name in compensating)
+            element(body, "joint", **{**attributes, **source_attributes.get(dof.name, {})})
 
 
-def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> dict[str, str | None]:
-    """Returns the attributes of a joint."""
+def _joint_attributes(
+    dof: Dof, body_from_dof: Array, start: Value, is_compensating: bool
+) -> dict[str, str | None]:
+    """Returns the attributes of a joint. `start`: its value at qpos0; `is_compensating`: whether its
+    actuators hold the weight that bodies compensate."""
     dynamics, spring = dof.dynamics, dof.spring
     position = spaced(body_from_dof[:3, 3], least=LENGTH)
+    # A ball has no axis. Its limit is a cone, which MuJoCo does not have.
     scalar_attributes: dict[str, str | None] = {}
     if not isinstance(start, tuple):
         effort, ref = dynamics.effort, number(start, least=least_of(dof.kind))
@@ -61,7 +65,7 @@ def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> 
         }
     return {
         "name": dof.name,
-        "type": TYPES[dof.kind],
+        "type": JOINT_TYPES[dof.kind],
         "pos": None if position == "0 0 0" else position,
         "axis": scalar_attributes.get("axis"),
         "range": scalar_attributes.get("range"),
@@ -72,15 +76,17 @@ def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> 
         "frictionloss": _number(dynamics.friction),
         "armature": _number(dynamics.armature),
         "actuatorfrcrange": scalar_attributes.get("actuatorfrcrange"),
-        "actuatorgravcomp": "true" if compensating else None,
+        "actuatorgravcomp": "true" if is_compensating else None,
     }
 
 
 def _number(value: float | None) -> str | None:
+    """Returns the text of a number that may be unset."""
     return None if value is None else number(value)
 
 
 def _range(dof: Dof) -> str | None:
+    """Returns the range of a turn or slide; None without limits."""
     lower, upper = dof.limits.lower, dof.limits.upper
     if lower is None and upper is None:
         return None
@@ -102,11 +108,12 @@ def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
 
 
 def free_qpos(pose: Array) -> str:
-    """Returns the seven numbers of a free joint at a pose (4, 4) in the world."""
+    """Returns the seven numbers of a free joint at a pose (4, 4) in the world: position [m] and
+    quaternion."""
     return f"{spaced(pose[:3, 3], least=LENGTH)} {spaced(quat_from_rotation(pose[:3, :3]))}"
 
 
 def free_joint_name(robot: Robot) -> str:
     """Returns the name of the free joint of a floating base."""
-    loops = {dof.name for loop in robot.loops for dof in loop.dofs}
-    return free_name(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
+    used_names = {dof.name for dof in robot.dofs} | {dof.name for loop in robot.loops for dof in loop.dofs}
+    return free_name(robot.base.joint or f"{robot.root.name}_free", used_names)

@@ -27,9 +27,10 @@ from linkwright.stages.robot.motion.loops import POINTWISE_TYPES
 from linkwright.stages.robot.text.names import free_name
 
 Site = tuple[str, str, Array]
-"""(link or carrier that has the site, name of the site, its pose (4, 4) on the link)."""
+"""(link or carrier that has the site, name of the site, its pose (4, 4) in the frame of that link or
+carrier)."""
 
-SUFFIXES = {"revolute": ("", "_axis"), "ball": ("",)}
+EQUALITY_SUFFIXES = {"revolute": ("", "_axis"), "ball": ("",)}
 """Type of loop that is closed by points → the endings of its equalities' names."""
 
 MAX_IMPEDANCE = "0.9999 0.9999 0.001"
@@ -38,7 +39,8 @@ MAX_IMPEDANCE = "0.9999 0.9999 0.001"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """A body that moves by the dofs of a loop, is welded to a link, and has a share of the link's mass."""
+    """A body that is connected to a link by the dofs of a loop, is welded to another link, and has a share of
+    that link's mass."""
 
     name: str
 
@@ -48,7 +50,7 @@ class Carrier:
     """The link to which the carrier is connected by `dofs`."""
 
     parent_from_joint: Array
-    """(4, 4)."""
+    """The frame (4, 4) of the first dof on the parent."""
 
     dofs: tuple[Dof, ...]
 
@@ -64,15 +66,16 @@ class Carrier:
 
 
 class Closures:
-    """The sites, carriers and equalities of a robot's loops. Names are unique in their kind."""
+    """The sites, carriers and equalities of a robot's loops. Names are unique among sites, among links and
+    carriers, and among equalities."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self.carriers = tuple(_carriers(robot))
         self._carrier_of = {carrier.loop.name: carrier for carrier in self.carriers}
-        taken = {frame.name for frame in robot.frames}
         self._inertials = {link.name: link.inertial for link in robot.links}
-        self._carried = Counter(carrier.carried for carrier in self.carriers)
+        self._carrier_counts = Counter(carrier.carried for carrier in self.carriers)
+        taken = {frame.name for frame in robot.frames}
         self._sites: dict[str, tuple[Site, ...]] = {}
         self._sites_on: dict[str, list[Site]] = {}
         for loop in robot.loops:
@@ -84,7 +87,8 @@ class Closures:
             self._sites[loop.name] = tuple(sites)
 
     def _ends(self, loop: Loop) -> Iterator[Site]:
-        """Yields the sites of a loop: both sites of the first pair, then both of the second pair."""
+        """Yields the sites of a loop, each with the suffix of its name in place of the name: both sites of
+        the first pair, then both of the second pair."""
         carrier = self._carrier_of.get(loop.name)
         if carrier is not None:
             yield carrier.carried, "a", carrier.carried_from_carrier
@@ -93,25 +97,26 @@ class Closures:
         yield loop.link_a, "a", loop.a_from_frame
         yield loop.link_b, "b", loop.b_from_frame
         if loop.type == "revolute":
-            yield loop.link_a, "a_axis", _along_axis(loop.a_from_frame, loop)
-            yield loop.link_b, "b_axis", _along_axis(loop.b_from_frame, loop)
+            yield loop.link_a, "a_axis", _point_on_axis(loop.a_from_frame, loop)
+            yield loop.link_b, "b_axis", _point_on_axis(loop.b_from_frame, loop)
 
     def write_sites(self, body: Element, link: str, body_from_link: Array) -> None:
         """Writes the sites on a link or carrier, under its element."""
         for _, name, pose in self._sites_on.get(link, ()):
             element(body, "site", name=name, **placement(body_from_link @ pose))
 
-    def share(self, link: str, inertial: Inertial) -> Inertial:
-        """Returns the share of a link's inertial that its own body and each of its carriers get."""
-        count = 1 + self._carried[link]
+    def shared_inertial(self, link: str, inertial: Inertial) -> Inertial:
+        """Returns the share of a link's inertial that its own body gets, and each carrier that is welded to
+        it."""
+        count = 1 + self._carrier_counts[link]
         if count == 1:
             return inertial
         return replace(inertial, mass=inertial.mass / count, inertia=frozen(inertial.inertia / count))
 
-    def carries(self, carrier: Carrier) -> Inertial:
-        """Returns a carrier's share of the inertial, in the frame of the carrier."""
+    def carrier_inertial(self, carrier: Carrier) -> Inertial:
+        """Returns a carrier's share of its link's inertial, in the frame of the carrier."""
         inertial = self._inertials[carrier.carried]
-        return moved(self.share(carrier.carried, inertial), inverse(carrier.carried_from_carrier))
+        return moved(self.shared_inertial(carrier.carried, inertial), inverse(carrier.carried_from_carrier))
 
     def write_equalities(
         self, equality: Element, timestep: float, extras: Mapping[str, Mapping[str, str]]
@@ -122,14 +127,14 @@ class Closures:
         taken |= {relation.name for relation in self._robot.relations}
         for loop in self._robot.loops:
             names = [name for _, name, _ in self._sites[loop.name]]
-            kind = "connect" if loop.type in SUFFIXES else "weld"
-            for index, suffix in enumerate(SUFFIXES.get(loop.type, ("",))):
+            kind = "connect" if loop.type in EQUALITY_SUFFIXES else "weld"
+            for index, suffix in enumerate(EQUALITY_SUFFIXES.get(loop.type, ("",))):
                 name = free_name(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
                 first, second = names[2 * index : 2 * index + 2]
                 stiffness = {"solref": spaced(stable_solref(loop.solref, timestep)), "solimp": MAX_IMPEDANCE}
-                stiffness = {**extras.get(loop.name, stiffness)}
-                element(equality, kind, name=name, site1=first, site2=second, **stiffness)
+                attributes = extras.get(loop.name, stiffness)
+                element(equality, kind, name=name, site1=first, site2=second, **attributes)
 
 
 def stable_solref(solref: tuple[float, float], timestep: float) -> tuple[float, float]:
@@ -140,7 +145,8 @@ def stable_solref(solref: tuple[float, float], timestep: float) -> tuple[float, 
 
 
 def _carriers(robot: Robot) -> Iterator[Carrier]:
-    taken, moving = {link.name for link in robot.links}, _moving(robot)
+    """Yields the carriers of the loops that points alone do not close."""
+    taken, moving = {link.name for link in robot.links}, _moving_links(robot)
     for loop in robot.loops:
         if loop.type in POINTWISE_TYPES:
             continue
@@ -155,7 +161,7 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
             yield Carrier(name, loop, loop.link_a, loop.a_from_frame, dofs, loop.link_b, loop.b_from_frame)
 
 
-def _moving(robot: Robot) -> set[str]:
+def _moving_links(robot: Robot) -> set[str]:
     """Returns the links that can move relative to the world."""
     if not robot.base.fixed:
         return {link.name for link in robot.links}
@@ -167,7 +173,8 @@ def _moving(robot: Robot) -> set[str]:
 
 
 def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
-    """Returns the chain in the opposite direction: (Π O M)⁻¹ as a chain of dofs."""
+    """Returns the chain in the opposite direction: (Π O M)⁻¹ as a chain of dofs, with the same values. O is
+    the origin of a dof, the identity for the first, and M its motion."""
     origins = [frozen(np.eye(4)), *(frozen(inverse(dof.origin)) for dof in dofs[:0:-1])]
     return tuple(
         replace(dof, axis=frozen(-dof.axis), origin=origin)
@@ -175,9 +182,10 @@ def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
     )
 
 
-def _along_axis(pose: Array, loop: Loop) -> Array:
-    point = np.array(pose)
+def _point_on_axis(link_from_frame: Array, loop: Loop) -> Array:
+    """Returns the frame (4, 4) of a hinge, moved along its axis by the lever of the loop."""
+    link_from_point = np.array(link_from_frame)
     (dof,) = loop.dofs
-    # Along the axis of the mate: the sign with which the user counts must not move the point.
-    point[:3, 3] += pose[:3, :3] @ dof.axis * dof.mate_value.sign * loop.lever
-    return point
+    # The direction is that of the mate: the sign with which the user counts must not move the point.
+    link_from_point[:3, 3] += link_from_frame[:3, :3] @ dof.axis * dof.mate_value.sign * loop.lever
+    return link_from_point

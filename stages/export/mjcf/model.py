@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.configuration.mujoco_section import ROBOT_FILE_OPTIONS
 from linkwright.stages.export.mjcf.actuators import write_actuation
-from linkwright.stages.export.mjcf.bodies import BodyWriter, stem
+from linkwright.stages.export.mjcf.bodies import BodyWriter, asset_name
 from linkwright.stages.export.mjcf.contact.contacts import write_contacts
 from linkwright.stages.export.mjcf.contact.filters import Filters
 from linkwright.stages.export.mjcf.defaults.classes import write_classes
@@ -17,8 +17,8 @@ from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.loops import MAX_IMPEDANCE, Closures, stable_solref
 from linkwright.stages.export.mjcf.sections import restore_source_order, write_sections
 from linkwright.stages.export.mjcf.sensing.cameras import carried_cameras, write_camera
-from linkwright.stages.export.mjcf.sensing.sites import write_mounted
-from linkwright.stages.export.mjcf.settings import text
+from linkwright.stages.export.mjcf.sensing.sites import write_sites_and_cameras
+from linkwright.stages.export.mjcf.settings import attribute_text
 from linkwright.stages.export.paints import Paint, materials
 from linkwright.stages.formats.numbers import TURN, number, spaced
 from linkwright.stages.formats.xml import Element, element, to_bytes
@@ -30,13 +30,13 @@ from linkwright.stages.robot.text.names import free_name
 if TYPE_CHECKING:
     from linkwright.stages.export.writer import WriterInput
 
-SOLREF = (0.005, 1.0)
-"""Time constant [s] and damping ratio of relations, the same as the default of loops."""
+RELATION_SOLREF = (0.005, 1.0)
+"""Time constant [s] and damping ratio of relations: the default of loops."""
 
 
 def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
-    """Returns the content of the file. Its qpos0 is the robot's `start`: values of the dofs of the tree and
-    of the loops. `contact_filters`: the contact filters of the links that have bodies."""
+    """Returns the content of `<name>.xml`. Its qpos0 is the robot's `start`: values of the dofs of the tree
+    and of the loops. `contact_filters`: the contact filters of the links that have bodies."""
     written, timestep = inputs.written, inputs.keys.scene.option.timestep
     robot, geometry, actuation = written.as_mjcf.robot, written.shapes, written.actuation
     root = element(None, "mujoco", model=robot.name)
@@ -44,8 +44,10 @@ def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
     extras = written.extras
     _option(root, inputs.keys.scene.option, extras)
-    top = free_name(robot.name, {"main", "visual", "collision"})
-    classes = _defaults(root, top, geometry.self_contact)
+    # MuJoCo's outermost class is `main`; `visual` and `collision` are inside the robot's class.
+    reserved_classes = {"main", "visual", "collision"}
+    robot_class = free_name(robot.name, reserved_classes)
+    class_element = _defaults(root, robot_class, geometry.self_contact)
     material_names = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
@@ -57,10 +59,10 @@ def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
         body, body_from_link = bodies.elements[link]
         for name, link_from_frame in frames:
             write_camera(body, name, cameras[name], body_from_link @ link_from_frame)
-    write_mounted(bodies.elements, written.as_mjcf.held, written.sensing)
+    write_sites_and_cameras(bodies.elements, written.as_mjcf.held, written.sensing)
     bodies.write_mounted()
     for body in world.iterchildren("body"):
-        body.set("childclass", top)
+        body.set("childclass", robot_class)
     write_contacts(root, contact_filters, bodies.colliders, bodies.contacts)
     _equalities(root, robot, written.start, closures, timestep)
     write_actuation(root, actuation, written.sensing.sensors, extras)
@@ -69,7 +71,7 @@ def write_mjcf(inputs: "WriterInput", contact_filters: Filters) -> bytes:
         for actuator in actuation.actuators
         if actuator.motor and actuator.dof not in actuation.overridden
     }
-    write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
+    write_classes(root, class_element, {robot_class, *reserved_classes}, motors)
     write_sections(root, extras.sections)
     restore_source_order(root, extras)
     if not extras.moves_in_scene:
@@ -81,43 +83,45 @@ def _option(root: Element, option: Any, extras: MjcfExtras) -> None:
     """Writes the options that affect stability, and those of an MJCF source. The scene has the others."""
     names = {*ROBOT_FILE_OPTIONS, *dict(extras.option)}
     option_element = element(
-        root, "option", **{name: text(value) for name, value in option.explicit().items() if name in names}
+        root,
+        "option",
+        **{name: attribute_text(value) for name, value in option.explicit().items() if name in names},
     )
     flags = {name: value for name, value in option.flag.explicit().items() if name in dict(extras.flag)}
     if flags:
         element(option_element, "flag", **flags)
 
 
-def _defaults(root: Element, top: str, self_contact: bool) -> Element:
+def _defaults(root: Element, robot_class: str, self_contact: bool) -> Element:
     """Writes the robot's own class, with the classes of visual and collision geoms, and returns its element.
 
-    Bits: all colliders collide with the world (bit 1). They collide with each other only with `self_contact`:
-    otherwise `contype` 1 and `conaffinity` 2 have no bit in common.
+    Bits: all colliders collide with the geoms of the scene (bit 1). They collide with each other only with
+    `self_contact`: otherwise `contype` 1 and `conaffinity` 2 have no bit in common.
     """
-    robot = element(element(root, "default"), "default", class_=top)
-    visual = element(robot, "default", class_="visual")
+    class_element = element(element(root, "default"), "default", class_=robot_class)
+    visual = element(class_element, "default", class_="visual")
     element(visual, "geom", type="mesh", group="2", contype="0", conaffinity="0", density="0")
-    collision = element(robot, "default", class_="collision")
+    collision = element(class_element, "default", class_="collision")
     bits = "1" if self_contact else "2"
     element(collision, "geom", type="mesh", group="3", contype="1", conaffinity=bits, density="0")
-    return robot
+    return class_element
 
 
 def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
     """Writes textures, materials and meshes, and returns the names of the materials."""
     asset = element(root, "asset")
-    names = materials(geometry)
-    for texture in sorted({texture for _, texture in names if texture}):
-        element(asset, "texture", type="2d", name=stem(texture), file=texture)
-    for (colour, texture), name in names.items():
-        image = stem(texture) if texture else None
-        element(asset, "material", name=name, texture=image, rgba=spaced(colour))
+    material_names = materials(geometry)
+    for texture in sorted({texture for _, texture in material_names if texture}):
+        element(asset, "texture", type="2d", name=asset_name(texture), file=texture)
+    for (colour, texture), name in material_names.items():
+        texture_name = asset_name(texture) if texture else None
+        element(asset, "material", name=name, texture=texture_name, rgba=spaced(colour))
     visual_files = {shape.file for shape in geometry.shapes if shape.role == "visual"}
     files = (shape.file for shape in geometry.shapes if shape.ellipsoid is None)
     for file in dict.fromkeys(file for file in files if file is not None):
         # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
         element(asset, "mesh", file=file, inertia="shell" if file in visual_files else None)
-    return names
+    return material_names
 
 
 def _equalities(
@@ -130,7 +134,7 @@ def _equalities(
     extras = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
     closures.write_equalities(equality, timestep, extras)
     for relation in robot.relations:
-        stiffness = {"solref": spaced(stable_solref(SOLREF, timestep)), "solimp": MAX_IMPEDANCE}
+        stiffness = {"solref": spaced(stable_solref(RELATION_SOLREF, timestep)), "solimp": MAX_IMPEDANCE}
         _relation(equality, relation, start, extras.get(relation.name), stiffness)
 
 
@@ -166,5 +170,6 @@ def _relation(
 
 
 def _scalar(value: Value) -> float:
+    """Returns the value [rad or m] of a turn or slide."""
     assert not isinstance(value, tuple), "only turns and slides are related"
     return value

@@ -26,16 +26,17 @@ def write_element(parent: Element, source: MjcfElement) -> Element:
     """Writes an element of an MJCF source with its children, under another element, and returns it."""
     names = {attribute: name for attribute, _, name in source.names}
     attributes = dict(source.attributes)
-    title = {"name": attributes.pop("name")} if "name" in attributes else {}
-    node = element(parent, source.tag, **title, **names, **attributes)
+    # The name is the first attribute of every element in our files.
+    own_name = {"name": attributes.pop("name")} if "name" in attributes else {}
+    node = element(parent, source.tag, **own_name, **names, **attributes)
     for child in source.children:
         write_element(node, child)
     return node
 
 
-def write_placed(parent: Element, source: MjcfElement, pose: Array) -> Element:
-    """Writes an element of an MJCF source at a pose (4, 4) in the frame of its parent. A light shines along
-    its z axis."""
+def write_at_pose(parent: Element, source: MjcfElement, pose: Array) -> Element:
+    """Writes an element of an MJCF source at a pose (4, 4) in the frame of its parent, and returns it. A
+    light shines along the z axis of its pose."""
     node = write_element(parent, source)
     pose_attributes = placement(pose)
     if source.tag == "light":

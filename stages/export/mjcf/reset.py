@@ -7,24 +7,25 @@ from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.errors import Diagnostic
 
 MAX_MOTION = {"turn": 0.1, "slide": 0.01}
-"""Largest motion [rad, m] of a servo after a plain reset that is not reported."""
+"""Kind of a dof → the largest motion [rad or m] of its servo after a plain reset that is not reported."""
 
 
 def report_reset(written: Written) -> Iterator[Diagnostic]:
     """Reports servos that leave their position at qpos0 with a control of 0, or the nearest control in their
     range (I-RESET)."""
-    leaving = list(_leaving(written))
-    if leaving:
+    servos = list(_leaving_servos(written))
+    if servos:
         yield Diagnostic(
             "I-RESET",
             "mj_resetData sets every control to 0, whatever qpos0 is, so these servos then leave qpos0: "
-            + ", ".join(leaving),
+            + ", ".join(servos),
             f"{written.robot.name}.xml",
             'start at a keyframe: mj_resetDataKeyframe(model, data, model.key("home").id)',
         )
 
 
-def _leaving(written: Written) -> Iterator[str]:
+def _leaving_servos(written: Written) -> Iterator[str]:
+    """Yields the name of each servo that leaves qpos0, with its positions before and after."""
     kinds = {dof.name: dof.kind for dof in written.robot.dofs}
     for actuator in written.actuation.actuators:
         value = written.start[actuator.dof]

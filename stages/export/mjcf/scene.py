@@ -11,7 +11,7 @@ from linkwright.stages.export.mjcf.keyframes import write_keyframes
 from linkwright.stages.export.mjcf.placement import placement
 from linkwright.stages.export.mjcf.sections import write_sections
 from linkwright.stages.export.mjcf.sensing.cameras import write_camera, write_overview
-from linkwright.stages.export.mjcf.settings import text
+from linkwright.stages.export.mjcf.settings import attribute_text
 from linkwright.stages.export.scene import ground_pose
 from linkwright.stages.formats.numbers import number, spaced
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
@@ -100,7 +100,7 @@ def _settings(
     `excluded`, `excluded_in_sections`: attributes of the element and of its children that are not written.
     They are separate, since an option and a flag can have the same name: `gravity`.
     """
-    attributes = {key: text(value) for key, value in keys.explicit().items() if key not in excluded}
+    attributes = {key: attribute_text(value) for key, value in keys.explicit().items() if key not in excluded}
     sections = {
         key: {
             attribute: value
@@ -114,7 +114,7 @@ def _settings(
     node = element(None, name, **attributes)
     for key, values in sections.items():
         if values:
-            element(node, key, **{attribute: text(value) for attribute, value in values.items()})
+            element(node, key, **{attribute: attribute_text(value) for attribute, value in values.items()})
     root.find("include").addnext(node)
 
 
@@ -163,6 +163,6 @@ def _lights(world: Element, lights: Mapping[str, "LightSection"]) -> None:
             diffuse=spaced(light.diffuse),
             ambient=spaced(light.ambient),
             specular=spaced(light.specular),
-            castshadow=text(light.shadow),
+            castshadow=attribute_text(light.shadow),
             cutoff=number(light.cutoff) if light.kind == "spot" else None,
         )

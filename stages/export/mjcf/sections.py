@@ -8,7 +8,7 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras, children_of
 
 STATES_OF_DYNAMICS = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
-"""`dyntype` of an actuator → the number of its states; `user` has the attribute `actdim` instead."""
+"""`dyntype` of an actuator → the number of its states, unless the actuator has the attribute `actdim`."""
 
 
 def write_sections(root: Element, sections: Iterable[MjcfElement]) -> None:
@@ -22,7 +22,7 @@ def write_sections(root: Element, sections: Iterable[MjcfElement]) -> None:
 
 
 def restore_source_order(root: Element, extras: MjcfExtras) -> None:
-    """Sorts actuators and sensors into the order of the source."""
+    """Sorts actuators and sensors into the order of an MJCF source."""
     for tag, _ in extras.order:
         parent = root.find(tag)
         if parent is not None:
@@ -35,5 +35,6 @@ def keyed_actuators_of(sections: Iterable[MjcfElement]) -> Iterator[KeyedActuato
     """Yields the actuators in these sections. Their controls and states are 0 in all keyframes."""
     for actuator in children_of(sections, "actuator"):
         attributes = dict(actuator.attributes)
-        states = int(attributes.get("actdim", STATES_OF_DYNAMICS.get(attributes.get("dyntype", "none"), 0)))
-        yield KeyedActuator(actuator.name, 0.0, (0.0,) * states)
+        count_by_dynamics = STATES_OF_DYNAMICS.get(attributes.get("dyntype", "none"), 0)
+        state_count = int(attributes.get("actdim", count_by_dynamics))
+        yield KeyedActuator(actuator.name, 0.0, (0.0,) * state_count)

@@ -8,7 +8,7 @@
 - moveit: Writes the package by which MoveIt plans for a robot: the SRDF in the names of the ROS package, and
   settings of its groups and joints.
 - names: Makes names that ROS accepts: of packages, links, joints and sensors.
-- section: Configuration of the ROS 2 package.
+- section: Defines the configuration of the ROS 2 package.
 - trajectories: Groups the joints that follow trajectories together: those of each arm, of each gripper, and
   the others.
 - writer: Declares the format ROS 2: a folder that `colcon build` accepts.

@@ -20,7 +20,7 @@ from linkwright.stages.export.ros2.moveit import Semantics, semantic_files, sema
 from linkwright.stages.export.ros2.names import macro_of, moveit_package_of
 from linkwright.stages.export.ros2.section import Ros2FormatSection
 from linkwright.stages.export.ros2.trajectories import trajectories_of
-from linkwright.stages.export.ros2.xacro_files import control_macro, entry, macro
+from linkwright.stages.export.ros2.xacro_files import control_macro, entry_file, robot_macro
 from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.robot_json.files import NameChangesRecord, PackageRecord
@@ -33,7 +33,7 @@ FOLDER = "ros2"
 
 @dataclass(frozen=True, slots=True)
 class ControllerPlan:
-    """The content of ros2_control, and the controllers of the robot."""
+    """The content of ros2_control, and the controllers that use it."""
 
     control: Control
     controllers: tuple[Controller, ...]
@@ -43,7 +43,8 @@ class ControllerPlan:
 
 
 def write(inputs: WriterInput) -> FormatFiles:
-    """Writes the files of the package, with copies of the meshes, and those of MoveIt's package beside it."""
+    """Returns the files of the package, with copies of the meshes, and those of MoveIt's package beside
+    it."""
     robot = inputs.written.robot
     keys = inputs.keys.export.ros2 or Ros2FormatSection()
     package = keys.package or package_of(robot.name)
@@ -68,39 +69,41 @@ def _files(
     """Returns (path in the package, bytes) of each file except the manifests and MoveIt's package."""
     name = inputs.written.robot.name
     macro_name = macro_of(name)
-    parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
+    macro_files = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
     joints = {str(element.get("name")) for element in description.root.iterchildren("joint")}
+    mount = free_name(f"{description.base}_mount", joints)
     control, controllers = controller_plan.control, controller_plan.controllers
     texts = {"package": package, "robot": name, "root": description.base}
     # ROS would not accept a whole number for a real parameter.
     home = {joint.name: float(number(joint.home, least=1.0)) for joint in control.joints if not joint.follows}
     meshes = inputs.written.shapes.shown(meshes=False, whole=True).files
     files = [
-        (f"urdf/{parts[0]}", macro(description, macro_name, free_name(f"{description.base}_mount", joints))),
-        (f"urdf/{parts[1]}", control_macro(control, macro_name)),
-        (f"urdf/{name}.urdf.xacro", entry(name, description, control, macro_name, parts)),
+        (f"urdf/{macro_files[0]}", robot_macro(description, macro_name, mount)),
+        (f"urdf/{macro_files[1]}", control_macro(control, macro_name)),
+        (f"urdf/{name}.urdf.xacro", entry_file(name, description, control, macro_name, macro_files)),
         (f"urdf/{name}.urdf", to_bytes(description.root)),
         (f"rviz/{name}.rviz", fill_template("robot.rviz", root=description.base, **view_of(inputs.standing))),
         ("launch/display.launch.py", fill_template("display.launch.py", **texts, home=home)),
         *((f"meshes/{file}", data) for file, data in meshes.items()),
     ]
-    needs = [*LAUNCH_PACKAGES]
+    required_packages = [*LAUNCH_PACKAGES]
     if controllers:
-        driver = {"controllers": controllers, "plugin": control.plugin}
+        control_values = {"controllers": controllers, "plugin": control.plugin}
         files.append(("config/controllers.yaml", fill_template("controllers.yaml", controllers=controllers)))
-        files.append(("launch/control.launch.py", fill_template("control.launch.py", **texts, **driver)))
-        needs += [*CONTROL_PACKAGES, *(controller.package for controller in controllers)]
+        files.append(
+            ("launch/control.launch.py", fill_template("control.launch.py", **texts, **control_values))
+        )
+        required_packages += [*CONTROL_PACKAGES, *(controller.package for controller in controllers)]
     about = f"The robot {name}: URDF, meshes, ros2_control and launch files."
-    return files + _manifests(inputs, package, about, needs, [path for path, _ in files])
+    return files + _manifests(inputs, package, about, required_packages, [path for path, _ in files])
 
 
 def _manifests(
-    inputs: WriterInput, package: str, about: str, needs: Sequence[str], paths: Sequence[str]
+    inputs: WriterInput, package: str, about: str, required_packages: Sequence[str], paths: Sequence[str]
 ) -> list[tuple[str, bytes]]:
     """Returns the manifests that make a folder with files at these paths a package of ROS. `about`: its
-    description; `needs`: the packages that it needs at run time."""
-
-    keys, needs = inputs.keys.export.ros2 or Ros2FormatSection(), sorted(set(needs))
+    description; `required_packages`: the packages that it needs at run time."""
+    keys, needs = inputs.keys.export.ros2 or Ros2FormatSection(), sorted(set(required_packages))
     manifest = fill_template("package.xml", package=package, what=about, keys=keys, needs=needs)
     return [("package.xml", manifest), ("CMakeLists.txt", cmake_lists(package, paths))]
 

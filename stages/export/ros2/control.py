@@ -55,12 +55,11 @@ INTERFACES: Mapping[str, tuple[str, ...]] = {
 }
 """Kind of a sensor → its state interfaces, as its broadcaster expects them."""
 
-
 Parameters = tuple[tuple[str, str], ...]
 """(name, text) of each <param>."""
 
-JOINT = ""
-"""Key of a joint's own parameters, among those of its interfaces."""
+JOINT_KEY = ""
+"""Key of a joint's own parameters, in the table of parameters by interface."""
 
 _MIMIC_PARAMETERS = ("mimic", "multiplier")
 """Parameters that the package derives from the URDF's <mimic>."""
@@ -71,6 +70,7 @@ class ControlJoint:
     """A joint of ros2_control."""
 
     name: str
+    """The name of the joint in the package."""
 
     commands: tuple[str, ...]
     """The interfaces that command it."""
@@ -79,13 +79,13 @@ class ControlJoint:
     """The interfaces that measure it."""
 
     home: float
-    """Its value [rad or m] at `home`."""
+    """The value [rad or m] of the joint at `home`."""
 
     follows: tuple[str, str] | None
-    """(driver, multiplier as text in the URDF) of a joint that follows another."""
+    """(driver, multiplier as text in the URDF) of a joint that follows another; None for other joints."""
 
     parameters: Mapping[str, Parameters] = field(default_factory=dict)
-    """Command interface → its parameters in the source's <ros2_control>; "" → those of the joint itself."""
+    """Command interface → its parameters in the source; `JOINT_KEY` → those of the joint itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,12 +98,12 @@ class ControlSensor:
     """A key of `INTERFACES`."""
 
     frame: str
-    """The link that it is on."""
+    """The link in whose frame the sensor measures."""
 
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """The content of ros2_control: commands, measurements and the hardware."""
+    """The content of ros2_control: interfaces of joints, sensors, and the hardware."""
 
     joints: tuple[ControlJoint, ...]
     sensors: tuple[ControlSensor, ...]
@@ -141,7 +141,7 @@ class Ros2Plan:
 def control_of(written: Written, description: Description) -> Control:
     """Returns the content of ros2_control: every moving joint of the URDF, with its interfaces."""
     controls = description.root.findall("ros2_control")
-    values = _values(written.robot, written.urdf_names)
+    home_values = _home_values(written.robot, written.urdf_names)
     source_parameters = _source_interfaces(controls)
     urdf_names = {name: urdf_name for urdf_name, name in description.names.joints.items()}
     actuator_types: dict[str, list[str]] = defaultdict(list)
@@ -154,20 +154,23 @@ def control_of(written: Written, description: Description) -> Control:
         urdf_name = urdf_names[name]
         types = actuator_types[urdf_name]
         parameters_of_joint = source_parameters.get(name, {})
-        interfaces = {COMMANDS.get(type_, DEFAULT_COMMAND) for type_ in types} or {*parameters_of_joint} - {
-            JOINT
-        }
-        follows = _follows(node)
+        interfaces = {COMMANDS.get(type_, DEFAULT_COMMAND) for type_ in types}
+        if not interfaces:
+            # Without an actuator, the joint has the command interfaces of the source.
+            interfaces = {*parameters_of_joint} - {JOINT_KEY}
+        follows = _driver_of(node)
         if interfaces and follows:
             follower_joints.append(name)
         effort_fallbacks += [(name, type_) for type_ in types if type_ not in COMMANDS and not follows]
         commands = (
             () if follows else tuple(interface for interface in COMMAND_ORDER if interface in interfaces)
         )
-        effort = "effort" in commands or urdf_name in measured_dofs
-        states = ("position", "velocity", "effort") if effort else ("position", "velocity")
+        has_effort = "effort" in commands or urdf_name in measured_dofs
+        states = ("position", "velocity", "effort") if has_effort else ("position", "velocity")
         joints.append(
-            ControlJoint(name, commands, states, values.get(urdf_name, 0.0), follows, parameters_of_joint)
+            ControlJoint(
+                name, commands, states, home_values.get(urdf_name, 0.0), follows, parameters_of_joint
+            )
         )
     sensors, left_out = _sensors(written, description, [joint.name for joint in joints])
     plugin, parameters = _hardware(controls)
@@ -182,12 +185,12 @@ def control_of(written: Written, description: Description) -> Control:
     )
 
 
-def _values(robot: Robot, names: UrdfNames) -> dict[str, float]:
-    """Returns the value of each joint of the URDF at `home`."""
+def _home_values(robot: Robot, names: UrdfNames) -> dict[str, float]:
+    """Returns the value [rad or m] of each moving joint of the URDF at `home`."""
     values: dict[str, float] = {}
-    home_values = home(robot)
+    pose = home(robot)
     for dof in robot.dofs:
-        value = home_values[dof.name]
+        value = pose[dof.name]
         if dof.kind == "ball":
             angles = turns_from_rotation(motion("ball", dof.axis, value)[:3, :3])
             values |= zip(names.turns[dof.name], angles, strict=True)
@@ -201,38 +204,45 @@ def _source_interfaces(controls: Sequence[Element]) -> dict[str, dict[str, Param
     its own parameters."""
     interfaces: dict[str, dict[str, Parameters]] = {}
     for joint in (child for control in controls for child in control.iterchildren("joint")):
-        of_joint = interfaces.setdefault(str(joint.get("name")), {})
-        of_joint[JOINT] = tuple(pair for pair in _parameters(joint) if pair[0] not in _MIMIC_PARAMETERS)
-        of_joint |= {
+        parameters_of_joint = interfaces.setdefault(str(joint.get("name")), {})
+        parameters_of_joint[JOINT_KEY] = tuple(
+            pair for pair in _parameters(joint) if pair[0] not in _MIMIC_PARAMETERS
+        )
+        parameters_of_joint |= {
             str(child.get("name")): _parameters(child) for child in joint.iterchildren("command_interface")
         }
     return interfaces
 
 
 def _parameters(node: Element) -> Parameters:
+    """Returns the parameters that an element of <ros2_control> has."""
     return tuple(
         (str(parameter.get("name")), (parameter.text or "").strip())
         for parameter in node.iterchildren("param")
     )
 
 
-def _follows(joint: Element) -> tuple[str, str] | None:
+def _driver_of(joint: Element) -> tuple[str, str] | None:
+    """Returns (driver, multiplier) of a joint that follows another; None for other joints."""
     mimic = joint.find("mimic")
     return None if mimic is None else (str(mimic.get("joint")), str(mimic.get("multiplier", "1")))
 
 
 def _measured_dofs(actuation: Actuation, sensing: Sensing) -> set[str]:
-    """Returns the dofs whose effort a sensor measures."""
-    dofs = {actuator.name: actuator.dof for actuator in actuation.actuators}
+    """Returns the dofs whose effort a sensor measures, at the dof or at its actuator."""
+    dof_by_actuator = {actuator.name: actuator.dof for actuator in actuation.actuators}
     return {
-        dofs.get(sensor.name_of_target, "") if sensor.target == "actuator" else sensor.name_of_target
+        dof_by_actuator.get(sensor.name_of_target, "")
+        if sensor.target == "actuator"
+        else sensor.name_of_target
         for sensor in sensing.sensors
         if sensor.type in EFFORT_SENSORS
     }
 
 
 def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
-    """Returns the plugin and the parameters of the first hardware that the URDF itself names."""
+    """Returns the plugin of the first hardware in the URDF's <ros2_control> that names one, and its
+    parameters; ("", ()) without such hardware. `controls`: the <ros2_control> elements."""
     for hardware in (child for control in controls for child in control.iterchildren("hardware")):
         plugin = (hardware.findtext("plugin") or "").strip()
         if plugin:
@@ -243,12 +253,16 @@ def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
 def _sensors(
     written: Written, description: Description, joints: Sequence[str]
 ) -> tuple[tuple[ControlSensor, ...], list[str]]:
-    """Returns the sensors that have a broadcaster, and the names of the others."""
+    """Returns the sensors, each for all of a kind on a frame, and the names of those without counterpart."""
     frames, sensing = dict(_frames(written, description)), written.sensing
     groups: dict[tuple[str, str, str], list[Sensor]] = defaultdict(list)
     left_out = [camera.name for camera in sensing.cameras]
     for sensor in sensing.sensors:
-        kind = "imu" if sensor.type in IMU_SENSORS else "force_torque" if sensor.type in LOAD_SENSORS else ""
+        kind = ""
+        if sensor.type in IMU_SENSORS:
+            kind = "imu"
+        elif sensor.type in LOAD_SENSORS:
+            kind = "force_torque"
         if (
             kind
             and sensor.target in ("site", "xbody")
@@ -258,20 +272,20 @@ def _sensors(
             groups[kind, sensor.target, sensor.name_of_target].append(sensor)
         elif sensor.type not in JOINT_SENSORS:
             left_out.append(sensor.name)
-    found_sensors = []
+    names_and_places = []
     for (kind, _, place), measured in groups.items():
         types = {sensor.type for sensor in measured}
         if types == {"framequat"}:
             # TF already publishes the orientation of a frame.
             left_out += [sensor.name for sensor in measured]
         else:
-            found_sensors.append(
+            names_and_places.append(
                 (stem_of_names([sensor.name for sensor in measured]) or f"{place}_{kind}", kind, place)
             )
     used_names = set(joints)
-    names = legal_names([name for name, _, _ in found_sensors], "sensor")
+    names = legal_names([name for name, _, _ in names_and_places], "sensor")
     sensors = []
-    for name, kind, place in found_sensors:
+    for name, kind, place in names_and_places:
         unique_name = free_name(names[name], used_names)
         used_names.add(unique_name)
         sensors.append(ControlSensor(unique_name, kind, frames[place]))
@@ -279,7 +293,7 @@ def _sensors(
 
 
 def _frames(written: Written, description: Description) -> Iterator[tuple[str, str]]:
-    """Yields (name of a site, frame or link, the link of the package that is there)."""
+    """Yields (name of a site, frame or link, the link of the package with the same pose)."""
     package_links = description.names.links
     link_by_name = {link.name: link.name for link in written.as_urdf.robot.links}
     link_by_name |= {

@@ -49,6 +49,8 @@ def controllers_of(control: Control, trajectories: Mapping[str, Sequence[str]]) 
 
 
 def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) -> Iterator[Controller]:
+    """Yields the controllers: the broadcaster of joints, controllers of trajectories, of speeds and of
+    efforts, and the broadcasters of sensors."""
     used_names = {*trajectories, "velocity_controller", "effort_controller"}
     if control.joints:
         used_names.add("joint_state_broadcaster")
@@ -58,7 +60,7 @@ def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) ->
             "joints": joints,
             "command_interfaces": ["position"],
             "state_interfaces": ["position", "velocity"],
-            # So that a planner can move a part of them.
+            # With this, a planner can move some of the joints.
             "allow_partial_joints_goal": True,
         }
         yield Controller(name, "joint_trajectory_controller", parameters_of_trajectory)

@@ -9,7 +9,8 @@ from linkwright.stages.export.ros2.names import RosNames, ros_names
 from linkwright.stages.formats.xml import Element, parse, tag
 
 _ASSET_PATH = re.compile("(?:package://[^/]+/)?assets/([^/]+)$")
-"""A path of a mesh, in either of the forms that our URDF can have."""
+"""Matches the path of a mesh or texture in either form of the robot's own URDF, relative or by package. The
+group is the name of the file."""
 
 MOVING_TYPES = ("revolute", "continuous", "prismatic")
 """Types of joints that have a single value."""
@@ -27,7 +28,7 @@ class Description:
 
     @property
     def base(self) -> str:
-        """Returns the link that no joint holds, the first if there are several."""
+        """Returns the root link: the first link that is not the child of a joint."""
         children = {
             node.get("link") for joint in self.root.iterchildren("joint") for node in joint.iter("child")
         }
@@ -68,11 +69,10 @@ def references(root: Element) -> Iterator[tuple[Element, str, str]]:
         if kind in ("link", "joint", "material", "transmission"):
             yield node, "name", kind
         elif kind == "gazebo" and node.get("reference"):
-            kinds = {"link": "link", "joint": "joint"}
-            target_kind = next(
-                (candidate for candidate in kinds if _has(root, candidate, node.get("reference"))), "link"
-            )
-            yield node, "reference", target_kind
+            # Its attribute names a link or a joint; a link comes first if both have the name.
+            reference = node.get("reference")
+            is_joint = not _has_element(root, "link", reference) and _has_element(root, "joint", reference)
+            yield node, "reference", "joint" if is_joint else "link"
         if kind == "link":
             yield from ((child, "name", "material") for child in node.iter("material") if child.get("name"))
         elif kind == "joint":
@@ -85,14 +85,15 @@ def references(root: Element) -> Iterator[tuple[Element, str, str]]:
             yield from ((child, "name", "joint") for child in node.iter("joint"))
 
 
-def _has(root: Element, kind: str, name: str) -> bool:
+def _has_element(root: Element, kind: str, name: str) -> bool:
+    """Tells whether a URDF has a link or joint (`kind`) of this name."""
     return any(child.get("name") == name for child in root.iterchildren(kind))
 
 
 def without_control(root: Element) -> tuple[Element, list[Element]]:
     """Returns a copy of a URDF without its <ros2_control> elements, and these elements."""
-    rest = deepcopy(root)
-    controls = rest.findall("ros2_control")
+    copy = deepcopy(root)
+    controls = copy.findall("ros2_control")
     for control in controls:
-        rest.remove(control)
-    return rest, controls
+        copy.remove(control)
+    return copy, controls

@@ -46,7 +46,7 @@ MOVEIT_PACKAGES = (
 """Packages that MoveIt's launch file needs."""
 
 _DEFAULT_SIZE = 1.0
-"""Size [m] of a robot without shapes."""
+"""Size [m] to which the view is fitted if the robot has no shapes."""
 
 _TEMPLATES = Templates(
     Path(__file__).with_name("templates"), {"json": json.dumps, "xml": xml_text, "bool": bool}
@@ -55,7 +55,7 @@ _TEMPLATES = Templates(
 
 
 def fill_template(name: str, /, **values: Any) -> bytes:
-    """Returns the text of the template of this name, filled with the values."""
+    """Returns the file that the template of this name makes with the values."""
     return _TEMPLATES.filled(name, **values).encode()
 
 
@@ -73,6 +73,7 @@ def view_of(standing: "Placement") -> dict[str, float]:
         "distance": 2 * size,
         **dict(zip("xyz", centre, strict=True)),
     }
+    # -0 becomes 0.
     return {name: round(float(length), 3) + 0.0 for name, length in lengths.items()}
 
 
@@ -80,6 +81,6 @@ def cmake_lists(package: str, paths: Iterable[str]) -> bytes:
     """Returns the file CMakeLists.txt, which installs every file of the package in its folder. `paths`: the
     files' paths in the package."""
     paths = list(paths)
-    single = sorted(path for path in paths if "/" not in path)
+    root_files = sorted(path for path in paths if "/" not in path)
     folders = sorted({path.partition("/")[0] for path in paths if "/" in path})
-    return fill_template("CMakeLists.txt", package=package, single=single, folders=folders)
+    return fill_template("CMakeLists.txt", package=package, single=root_files, folders=folders)

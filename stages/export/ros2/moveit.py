@@ -26,7 +26,10 @@ ACCELERATION_TIME = 0.5
 it."""
 
 _LINK_ATTRIBUTES = ("base_link", "tip_link", "child_link", "parent_link", "link1", "link2")
+"""Attributes of an SRDF that name a link."""
+
 _GROUP_ATTRIBUTES = ("group", "parent_group")
+"""Attributes of an SRDF that name a group."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +52,7 @@ class Semantics:
     """The groups that carry an end effector."""
 
     world: str
-    """The frame in which the robot is; "" if its root link is the world."""
+    """The parent frame of the virtual joint; "" if the root link is the world."""
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -61,7 +64,7 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
     """Returns the SRDF of a robot in the names of its package."""
     root = parse(srdf, large=True)
     names = description.names
-    groups, effectors = (
+    group_names, effector_names = (
         legal_names([str(node.get("name")) for node in root.iterchildren(kind)], kind)
         for kind in ("group", "end_effector")
     )
@@ -71,26 +74,27 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
                 node.set(key, names.links.get(node.get(key), node.get(key)))
         for key in _GROUP_ATTRIBUTES:
             if node.get(key):
-                node.set(key, groups[node.get(key)])
+                node.set(key, group_names[node.get(key)])
         if node.tag == "group":
-            node.set("name", groups[node.get("name")])
+            node.set("name", group_names[node.get("name")])
         elif node.tag == "end_effector":
-            node.set("name", effectors[node.get("name")])
+            node.set("name", effector_names[node.get("name")])
         elif node.tag in ("joint", "passive_joint"):
             node.set("name", names.joints.get(node.get("name"), node.get("name")))
     passive = {str(joint.get("name")) for joint in root.iterchildren("passive_joint")}
     chains = {
-        str(group.get("name")): _driven_joint_count(_chain(description.root, chain), passive)
+        str(group.get("name")): _driven_joint_count(_joints_of_chain(description.root, chain), passive)
         for group in root.iterchildren("group")
         for chain in group.iterchildren("chain")
     }
     virtual_joint = root.find("virtual_joint")
     joints = {
-        str(group.get("name")): _joints(description.root, group) for group in root.iterchildren("group")
+        str(group.get("name")): _joints_of_group(description.root, group)
+        for group in root.iterchildren("group")
     }
     end_effectors = list(root.iterchildren("end_effector"))
     # Some files name the arm itself as the group of its end effector.
-    arms = {node.get("group") for node in end_effectors if _moves(description.root, node, joints)}
+    arms = {node.get("group") for node in end_effectors if _moves_its_carrier(description.root, node, joints)}
     return Semantics(
         root,
         chains,
@@ -121,7 +125,7 @@ def semantic_files(
         ),
     )
     limits = {
-        joint: (_real(speed), _real(speed / ACCELERATION_TIME))
+        joint: (_real_text(speed), _real_text(speed / ACCELERATION_TIME))
         for joint, speed in _speeds(semantics, description).items()
     }
     yield (
@@ -136,13 +140,13 @@ def semantic_files(
         )
 
 
-def _chain(urdf: Element, chain: Element) -> list[Element]:
+def _joints_of_chain(urdf: Element, chain: Element) -> list[Element]:
     """Returns the joints of the URDF from the tip of a chain up to its base."""
-    return _above(urdf, chain.get("tip_link"), chain.get("base_link"))
+    return _joints_above(urdf, chain.get("tip_link"), chain.get("base_link"))
 
 
-def _above(urdf: Element, link: str, base: str = "") -> list[Element]:
-    """Returns the joints of the URDF above a link, up to the root or to another link."""
+def _joints_above(urdf: Element, link: str, base: str = "") -> list[Element]:
+    """Returns the joints of the URDF above a link, from the link up to `base` or to the root."""
     joint_by_child = {joint.find("child").get("link"): joint for joint in urdf.iterchildren("joint")}
     joints: list[Element] = []
     while link != base and link in joint_by_child:
@@ -151,21 +155,24 @@ def _above(urdf: Element, link: str, base: str = "") -> list[Element]:
     return joints
 
 
-def _moves(urdf: Element, effector: Element, joints: Mapping[str, Sequence[str]]) -> bool:
-    """Tells whether the group of an end effector moves the link that carries it."""
-    group = joints[effector.get("group")]
-    return any(joint.get("name") in group for joint in _above(urdf, effector.get("parent_link")))
+def _moves_its_carrier(urdf: Element, effector: Element, joints: Mapping[str, Sequence[str]]) -> bool:
+    """Tells whether the group of an end effector moves the link that carries the end effector. `joints`:
+    group → its joints."""
+    joints_of_group = joints[effector.get("group")]
+    joints_above = _joints_above(urdf, effector.get("parent_link"))
+    return any(joint.get("name") in joints_of_group for joint in joints_above)
 
 
-def _joints(urdf: Element, group: Element) -> tuple[str, ...]:
+def _joints_of_group(urdf: Element, group: Element) -> tuple[str, ...]:
     """Returns the joints of a group, those of a chain from its base on."""
-    chains = [_chain(urdf, chain)[::-1] for chain in group.iterchildren("chain")]
+    chains = [_joints_of_chain(urdf, chain)[::-1] for chain in group.iterchildren("chain")]
     joints = (*group.iterchildren("joint"), *chain_iterables.from_iterable(chains))
     return tuple(dict.fromkeys(str(joint.get("name")) for joint in joints))
 
 
 def _driven_joint_count(joints: Sequence[Element], passive: set[str]) -> int | None:
-    """Returns the number of joints of a chain that are driven; None if any is passive."""
+    """Returns the number of the driven joints of a chain, which are those that move and follow no other
+    joint; None if one of these is passive."""
     moving = [joint for joint in joints if joint.get("type") != "fixed" and joint.find("mimic") is None]
     return None if any(joint.get("name") in passive for joint in moving) else len(moving)
 
@@ -180,7 +187,7 @@ def _speeds(semantics: Semantics, description: Description) -> dict[str, float]:
     }
 
 
-def _real(value: float) -> str:
+def _real_text(value: float) -> str:
     """Returns the text of a number with a point, so that YAML 1.1 and ROS read a real number."""
     mantissa, _, exponent = repr(float(f"{value:.12g}")).partition("e")
     decimal = mantissa if "." in mantissa else f"{mantissa}.0"

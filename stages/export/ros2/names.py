@@ -1,7 +1,7 @@
 """Makes names that ROS accepts: of packages, links, joints and sensors.
 
-Frames of TF and joints are named in topics and parameters. There a point, a slash or a space has a meaning,
-and a name that begins with a digit is a number.
+Topics and parameters contain the names of TF frames and of joints. In these, a point, a slash or a space has
+a meaning of its own, and a word that begins with a digit is read as a number.
 """
 
 from collections.abc import Iterable, Mapping
@@ -43,20 +43,21 @@ def ros_names(links: Iterable[str], joints: Iterable[str]) -> RosNames:
 
 
 def legal_names(names: Iterable[str], kind: str) -> dict[str, str]:
-    """Returns a legal name for each name; `kind` is put before a leading digit."""
+    """Returns a legal and unique name for each name; `kind` is put before a leading digit."""
     originals = list(names)
-    legal = {name: name for name in originals if _legal(name, kind) == name}
+    legal = {name: name for name in originals if _legal_name(name, kind) == name}
     used_names = set(legal)
     for name in originals:
         if name not in legal:
-            legal[name] = free_name(_legal(name, kind), used_names)
+            legal[name] = free_name(_legal_name(name, kind), used_names)
             used_names.add(legal[name])
     return {name: legal[name] for name in originals}
 
 
-def _legal(name: str, kind: str) -> str:
-    name = plain(name)
-    return f"{kind}_{name}" if name[0].isdigit() else name
+def _legal_name(name: str, kind: str) -> str:
+    """Returns the name in [A-Za-z0-9_], without a leading digit. Different names may become equal."""
+    plain_name = plain(name)
+    return f"{kind}_{plain_name}" if plain_name[0].isdigit() else plain_name
 
 
 def moveit_package_of(package: str) -> str:

@@ -1,4 +1,4 @@
-"""Configuration of the ROS 2 package."""
+"""Defines the configuration of the ROS 2 package."""
 
 import re
 from typing import Annotated
@@ -10,7 +10,7 @@ from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
-    # REP 144.
+    # The rules are those of REP 144.
     if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)*", name) or len(name) < 2:
         raise invalid("must be the name of a ROS package: a lower-case letter, then a-z, 0-9 and single _")
     return name

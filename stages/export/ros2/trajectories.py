@@ -8,22 +8,23 @@ from linkwright.stages.robot.text.names import free_name
 TRAJECTORY = "joint_trajectory_controller"
 """Name of the controller of all joints that are in no gripper, and in no arm or in several arms."""
 
-_RESERVED = (TRAJECTORY, "velocity_controller", "effort_controller", "joint_state_broadcaster")
+_RESERVED_NAMES = (TRAJECTORY, "velocity_controller", "effort_controller", "joint_state_broadcaster")
+"""Names of controllers that no group gives its controller."""
 
 
 def trajectories_of(joints: Sequence[str], semantics: Semantics) -> dict[str, tuple[str, ...]]:
-    """Returns the joints of each controller that follows trajectories, by its name. `joints`: the joints that
-    are commanded by position, in the order of the URDF.
+    """Returns name of each controller that follows trajectories → its joints. `joints`: the joints that are
+    commanded by position, in the order of the URDF.
 
-    Each gripper has a controller, and so has each arm if there are several. A joint that several arms share
-    is with the joints of no arm.
+    Each gripper has a controller, and so has each arm, unless a single arm has all other joints. The
+    remaining joints, including those that several arms share, have one controller, `TRAJECTORY`.
     """
-    used_names, remaining = {*_RESERVED}, [*joints]
+    used_names, remaining = {*_RESERVED_NAMES}, [*joints]
     controllers: dict[str, tuple[str, ...]] = {}
     for group in semantics.grippers:
         members = [joint for joint in remaining if joint in semantics.joints[group]]
         if members:
-            controllers[_name(group, used_names)] = tuple(members)
+            controllers[_controller_name(group, used_names)] = tuple(members)
             remaining = [joint for joint in remaining if joint not in members]
     arms = _arms(remaining, semantics)
     arms_by_joint = {
@@ -32,16 +33,17 @@ def trajectories_of(joints: Sequence[str], semantics: Semantics) -> dict[str, tu
     joints_of_single_arm = {
         name: tuple(joint for joint in remaining if arms_by_joint[joint] == [name]) for name in arms
     }
-    shared = tuple(joint for joint in remaining if len(arms_by_joint[joint]) != 1)
+    other_joints = tuple(joint for joint in remaining if len(arms_by_joint[joint]) != 1)
     arm_joints = {name: members for name, members in joints_of_single_arm.items() if members}
-    if len(arm_joints) < 2 and not shared:
-        shared, arm_joints = tuple(remaining), {}
-    trajectories = {TRAJECTORY: shared} if shared else {}
-    trajectories |= {_name(name, used_names): members for name, members in arm_joints.items()}
+    if len(arm_joints) < 2 and not other_joints:
+        other_joints, arm_joints = tuple(remaining), {}
+    trajectories = {TRAJECTORY: other_joints} if other_joints else {}
+    trajectories |= {_controller_name(name, used_names): members for name, members in arm_joints.items()}
     return trajectories | controllers
 
 
-def _name(group: str, used_names: set[str]) -> str:
+def _controller_name(group: str, used_names: set[str]) -> str:
+    """Returns a free name for the controller of a group, and adds it to `used_names`."""
     name = free_name(f"{group}_controller", used_names)
     used_names.add(name)
     return name

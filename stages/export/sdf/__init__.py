@@ -8,7 +8,7 @@
 - lowering: Converts joints and loops of several degrees of freedom to chains of SDF joints and almost
   massless links, and chooses the pose in which the links of the SDF stand.
 - model: Writes the model of a robot as SDF 1.9, in one file.
-- section: Configuration of the SDF writer.
+- section: Defines the configuration of the SDF writer.
 - sensors: Writes the sensors of an SDF: force and torque sensors on joints, all others on links.
 - writer: Declares the format SDF: the model, and the file by which Gazebo finds it.
 """

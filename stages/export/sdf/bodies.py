@@ -16,13 +16,14 @@ from linkwright.stages.robot.model.robot import Array, Inertial, Primitive
 def write_link(
     model: Element, name: str, body: Inertial, carriers: Mapping[str, SdfJoint], lowered: SdfJoints
 ) -> Element:
-    """Writes a link with its inertial, in the frame of the joint that carries it."""
+    """Writes a link with its inertial, and returns its element. The link has the frame of the joint that
+    carries it. `body`: its inertial; `carriers`: link → the joint that carries it."""
     node = element(model, "link", name=name)
     if name in carriers:
         write_pose(node, np.eye(4), carriers[name].name)
     elif name in lowered.floating:
-        above, pose = lowered.floating[name]
-        write_pose(node, pose, above)
+        parent_link, pose = lowered.floating[name]
+        write_pose(node, pose, parent_link)
     inertial = element(node, "inertial")
     element(inertial, "pose").text = f"{spaced(body.com, least=LENGTH)} 0 0 0"
     element(inertial, "mass").text = number(body.mass)
@@ -40,12 +41,13 @@ def write_colliders(
     sibling_names: set[str],
     masks: Mapping[tuple[str, int], int],
 ) -> list[str]:
-    """Writes the colliders of a link, and returns their names."""
+    """Writes the colliders of a link, and returns their names. `assets`: the prefix of mesh paths;
+    `sibling_names` gets the names; `masks`: (link, index of the collider) → mask."""
     names = []
     for index, (holder, shape) in enumerate(
         zip(write_shapes(node, shapes, "collision", assets, sibling_names), shapes, strict=True)
     ):
-        _surface(holder, shape, masks.get((link, index)))
+        _write_surface(holder, shape, masks.get((link, index)))
         names.append(str(holder.get("name")))
     return names
 
@@ -53,21 +55,22 @@ def write_colliders(
 def write_shapes(
     node: Element, shapes: Sequence[Shape], tag: str, assets: str, sibling_names: set[str]
 ) -> list[Element]:
-    """Writes the shapes of a role, and returns their elements."""
+    """Writes the shapes of a role, whose name is `tag`, and returns their elements. `assets`: the prefix of
+    mesh paths; `sibling_names` gets the names of the shapes."""
     holders = []
     for count, shape in enumerate(shapes, 1):
         name = f"{tag}_{count}"
         sibling_names.add(name)
         holder = element(node, tag, name=name)
         holders.append(holder)
-        _geometry(holder, shape, assets)
+        _write_geometry(holder, shape, assets)
         if tag == "visual":
-            _material(holder, shape)
+            _write_material(holder, shape)
     return holders
 
 
-def _surface(holder: Element, shape: Shape, mask: int | None) -> None:
-    """Writes the friction of a collider, and its mask: it collides with what shares a bit of the mask."""
+def _write_surface(holder: Element, shape: Shape, mask: int | None) -> None:
+    """Writes the friction of a collider, and its mask, if these are set."""
     friction = None if shape.contact is None else shape.contact.friction
     if friction is None and mask is None:
         return
@@ -80,17 +83,19 @@ def _surface(holder: Element, shape: Shape, mask: int | None) -> None:
         element(element(surface, "contact"), "collide_bitmask").text = str(mask)
 
 
-def _geometry(holder: Element, shape: Shape, assets: str) -> None:
+def _write_geometry(holder: Element, shape: Shape, assets: str) -> None:
+    """Writes the mesh of a shape, or its primitive and pose."""
     if shape.primitive is None:
         mesh = element(element(holder, "geometry"), "mesh")
         element(mesh, "uri").text = f"{assets}{shape.file}"
         return
     write_pose(holder, shape.primitive.link_from_shape)
-    _primitive(element(holder, "geometry"), shape.primitive)
+    _write_primitive(element(holder, "geometry"), shape.primitive)
 
 
-def _primitive(above: Element, primitive: Primitive) -> None:
-    node, size = element(above, primitive.kind), primitive.size
+def _write_primitive(geometry: Element, primitive: Primitive) -> None:
+    """Writes a primitive in an element <geometry>."""
+    node, size = element(geometry, primitive.kind), primitive.size
     if primitive.kind == "box":
         element(node, "size").text = spaced(size)
         return
@@ -99,20 +104,21 @@ def _primitive(above: Element, primitive: Primitive) -> None:
         element(node, "length").text = number(size[1])
 
 
-def _material(holder: Element, shape: Shape) -> None:
+def _write_material(holder: Element, shape: Shape) -> None:
     """Writes the colour of a shape, unless it is a mesh with an image, which has a material of its own."""
-    colour_and_image = paint(shape)
-    if colour_and_image is None or colour_and_image[1]:
+    colour, image = paint(shape) or (None, "")
+    if colour is None or image:
         return
-    node, colour = element(holder, "material"), spaced(colour_and_image[0])
-    element(node, "ambient").text = colour
-    element(node, "diffuse").text = colour
-    if colour_and_image[0][3] < 1.0:
-        element(holder, "transparency").text = number(1.0 - colour_and_image[0][3])
+    node, colour_text = element(holder, "material"), spaced(colour)
+    element(node, "ambient").text = colour_text
+    element(node, "diffuse").text = colour_text
+    alpha = colour[3]
+    if alpha < 1.0:
+        element(holder, "transparency").text = number(1.0 - alpha)
 
 
-def write_pose(above: Element, pose: Array, relative_to: str | None = None) -> None:
-    """Writes a pose (4, 4) in the frame `relative_to`, by default that of the element `above`."""
+def write_pose(node: Element, pose: Array, relative_to: str | None = None) -> None:
+    """Writes the pose (4, 4) of an element in the frame `relative_to`, by default that of its parent."""
     position = spaced(pose[:3, 3], least=LENGTH)
     angles = spaced(rpy_from_rotation(pose[:3, :3]), least=TURN)
-    element(above, "pose", relative_to=relative_to).text = f"{position} {angles}"
+    element(node, "pose", relative_to=relative_to).text = f"{position} {angles}"

@@ -12,7 +12,7 @@ from linkwright.stages.formats.sdf.names import sdf_names
 
 
 def write(inputs: WriterInput) -> FormatFiles:
-    """Writes the files of the format, and tells what they lose of the robot."""
+    """Returns the files of the format, and the case by which their losses are found."""
     written, plan = inputs.written, _plan(inputs)
     model, config = SdfFormatSection.paths(written.robot.name)
     keys = inputs.keys.export.sdf or SdfFormatSection()
@@ -26,18 +26,21 @@ def write(inputs: WriterInput) -> FormatFiles:
 
 def _record(plan: SdfPlan) -> FormatRecord:
     """Returns the entry of the SDF in robot.json."""
-    zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
+    zeros = {name: as_value(value) for name, value in plan.lowered.nonzero_values.items()}
     return FormatRecord(NameChangesRecord.from_model(plan.names), zeros)
 
 
 def _plan(inputs: WriterInput) -> SdfPlan:
+    """Returns the parts of the robot in terms of SDF."""
     robot, geometry = inputs.written.robot, inputs.written.shapes
     names = sdf_names(robot)
     lowered = lower(robot, inputs.written.start, names)
     # Engines exclude contact of links that a joint of their tree joins, but not of those that close a loop.
     links = {sdf_name: name for name, sdf_name in names.links.items()}
     tree = [
-        joint for joint in lowered.joints if joint.carries and {joint.parent, joint.child} <= links.keys()
+        joint
+        for joint in lowered.joints
+        if joint.carries_child and {joint.parent, joint.child} <= links.keys()
     ]
     joined = {frozenset((links[joint.parent], links[joint.child])) for joint in tree}
     jointed_links = [joint.child for joint in robot.joints if joint.type != "free"]
@@ -47,5 +50,5 @@ def _plan(inputs: WriterInput) -> SdfPlan:
         lowered,
         sensors_of(robot, inputs.written.sensing, jointed_links, links_with_colliders),
         sdf_contacts(geometry, joined),
-        inputs.standing.placed(lowered.stands),
+        inputs.standing.placed(lowered.stance),
     )

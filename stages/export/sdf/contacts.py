@@ -1,9 +1,9 @@
 """Chooses masks (`collide_bitmask`) for colliders of an SDF: two collide if their masks have a bit in common.
 
 Gazebo (gz-physics with DART) reads 16 bits of a mask, and by itself excludes links that a joint joins. A
-collider without a mask collides with all; for Gazebo it has the low eight bits, so each mask has one of these
-bits. If some colliders must not collide, their masks are made of sets of colliders, one bit for each set: no
-set has two that must not collide, and each two that must collide are together in a set.
+collider without a mask has the low eight bits in Gazebo. It collides with all others, so each mask has one of
+these bits. If some colliders must not collide, their masks are made of sets of colliders, one bit for each
+set: no set has two that must not collide, and each two that must collide are together in a set.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -46,31 +46,34 @@ def sdf_contacts(geometry: Geometry, joined: Collection[frozenset[str]]) -> SdfC
         return SdfContacts(geometry.self_contact, {})
     partners = _partners(geometry, excludes)
     groups = _groups(partners)
+    # The link of each group, by its index.
     links = [colliders[0][0] for colliders in groups]
-    number_of = {collider: number for number, colliders in enumerate(groups) for collider in colliders}
-    foes = [{number_of[partner] for partner in partners[colliders[0]]} for colliders in groups]
+    group_of = {collider: group for group, colliders in enumerate(groups) for collider in colliders}
+    # For each group, the groups with which it must not collide (foes), and must collide (friends).
+    foes = [{group_of[partner] for partner in partners[colliders[0]]} for colliders in groups]
     friends = [
         {
             other
             for other, link in enumerate(links)
-            if link != links[number]
-            and other not in foes[number]
-            and frozenset((link, links[number])) not in joined
+            if link != links[group]
+            and other not in foes[group]
+            and frozenset((link, links[group])) not in joined
         }
-        for number in range(len(groups))
+        for group in range(len(groups))
     ]
     sets = _sets(foes, friends)
+    # Without one of the low bits, a collider would not collide with those that have no mask.
     if len(set().union(*sets[:DEFAULT_BITS])) < len(groups):
         return SdfContacts(False, {})
     lost = [
-        (links[index], links[other])
-        for index, left in enumerate(friends)
-        for other in sorted(left)
-        if index < other
+        (links[group], links[other])
+        for group, lost_friends in enumerate(friends)
+        for other in sorted(lost_friends)
+        if group < other
     ]
     masks = {
-        collider: sum(1 << bit for bit, members in enumerate(sets) if number in members)
-        for collider, number in number_of.items()
+        collider: sum(1 << bit for bit, members in enumerate(sets) if group in members)
+        for collider, group in group_of.items()
     }
     return SdfContacts(True, masks, tuple(dict.fromkeys(lost)))
 
@@ -98,28 +101,28 @@ def _groups(partners: Mapping[Collider, set[Collider]]) -> list[list[Collider]]:
 
 def _sets(foes: Sequence[Collection[int]], friends: Sequence[set[int]]) -> list[set[int]]:
     """Returns sets of groups, at most as many as a mask has bits, none with two foes. The first sets together
-    contain each group; the further ones unite each two friends. A set grows greedily, by the group that adds
-    most of these. Removes from `friends` the pairs that a set unites."""
+    contain each group; the later sets unite each two friends. A set grows greedily: it gets the group that is
+    in no set yet or has the most friends in it. Removes from `friends` the pairs that a set unites."""
     sets: list[set[int]] = []
     unplaced = dict.fromkeys(range(len(foes)))
     while len(sets) < MASK_BITS and (unplaced or any(friends)):
         first = (
-            next(iter(unplaced)) if unplaced else next(number for number, left in enumerate(friends) if left)
+            next(iter(unplaced)) if unplaced else next(group for group, left in enumerate(friends) if left)
         )
         members: set[int] = set()
-        gains = {number: int(number in unplaced) for number in range(len(foes))}
+        gains = {group: int(group in unplaced) for group in range(len(foes))}
         best: int | None = first
         while best is not None:
             members.add(best)
-            for number in (best, *foes[best]):
-                gains.pop(number, None)
-            for number in friends[best] & gains.keys():
-                gains[number] += 1
-            best = max(gains, key=lambda number: gains[number], default=None)
+            for group in (best, *foes[best]):
+                gains.pop(group, None)
+            for group in friends[best] & gains.keys():
+                gains[group] += 1
+            best = max(gains, key=lambda group: gains[group], default=None)
             if best is not None and not gains[best]:
                 best = None
         sets.append(members)
-        for number in members:
-            unplaced.pop(number, None)
-            friends[number] -= members
+        for group in members:
+            unplaced.pop(group, None)
+            friends[group] -= members
     return sets

@@ -7,9 +7,9 @@ from linkwright.stages.formats.xml import Element, element
 
 
 def write_joint(model: Element, joint: SdfJoint) -> Element:
-    """Writes a joint with its pose and, unless it is fixed, its axis."""
+    """Writes a joint with its pose and, for a turn or slide, its axis, and returns its element."""
     node = element(model, "joint", name=joint.name, type=joint.type)
-    write_pose(node, joint.place, joint.at)
+    write_pose(node, joint.link_from_joint, joint.pose_link)
     element(node, "parent").text = joint.parent
     element(node, "child").text = joint.child
     if joint.axis is None:

@@ -28,6 +28,10 @@ from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 SdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "ball"]
 
+ZERO_TOLERANCE = 1e-12
+"""Largest value [m or rad] that counts as zero: a loop that is closed at zero is closed only up to rounding
+errors."""
+
 
 @dataclass(frozen=True, slots=True)
 class Mimic:
@@ -47,11 +51,11 @@ class SdfJoint:
     parent: str
     child: str
 
-    at: str
-    """The link in whose frame the pose is."""
+    pose_link: str
+    """The link in whose frame the pose is: the parent, or the child for a joint that closes a loop."""
 
-    place: Array
-    """The joint's pose (4, 4) in the frame of the link `at`."""
+    link_from_joint: Array
+    """The joint's pose (4, 4) in the frame of `pose_link`."""
 
     axis: Array | None
     """(3,); None for a joint without an axis."""
@@ -62,8 +66,9 @@ class SdfJoint:
     dynamics: Dynamics
     follows: Mimic | None
 
-    carries: bool
-    """Whether the child stands in the joint's frame. The joint that closes a loop only holds the child."""
+    carries_child: bool
+    """Whether the child has the joint's frame. False for a joint that closes a loop: another joint carries
+    its child."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,30 +81,32 @@ class SdfJoints:
     floating: Mapping[str, tuple[str, Array]]
     """Link that no joint holds → the link in whose frame it stands, and its pose (4, 4) there."""
 
-    between: tuple[str, ...]
+    added_links: tuple[str, ...]
     """The links that were added between those of the robot."""
 
-    stands: Configuration
+    stance: Configuration
     """The value of each dof, including those of loops, in the pose in which the links stand. In this pose
     every SDF joint is at zero."""
 
     @property
-    def moved(self) -> dict[str, Value]:
+    def nonzero_values(self) -> dict[str, Value]:
         """Returns the dofs that are not at zero in the pose in which the links stand, with their values."""
-        return {name: value for name, value in self.stands.items() if _is_moved(value)}
+        return {name: value for name, value in self.stance.items() if _is_moved(value)}
 
 
 def lower(robot: Robot, start: Configuration, names: SdfNames) -> SdfJoints:
-    """Returns the SDF joints of each joint and loop. `start`: a value for each dof at which the loops are
-    closed.
+    """Returns the SDF joints of each joint and loop. `start`: a value for each dof, including those of loops,
+    at which the loops are closed.
 
     A turn or a slide becomes a joint of its dof's name, a ball becomes a ball. An SDF joint is at zero where
     its links stand, so the links stand where the loops are closed: at zero if they are closed there, else at
     `start`.
     """
-    stands = _stance(robot, start)
-    exchanged = {loop.name: _exchanged(loop) for loop in robot.loops if loop.link_a == robot.root.name}
-    values = stands | _conjugated(exchanged.values(), stands)
+    stance = _stance(robot, start)
+    exchanged = {
+        loop.name: _with_exchanged_links(loop) for loop in robot.loops if loop.link_a == robot.root.name
+    }
+    values = stance | _conjugated_values(exchanged.values(), stance)
     maker = _JointMaker(names, values, {relation.follower: relation for relation in robot.relations})
     joints: list[SdfJoint] = []
     floating: dict[str, tuple[str, Array]] = {}
@@ -107,41 +114,56 @@ def lower(robot: Robot, start: Configuration, names: SdfNames) -> SdfJoints:
         parent, child = names.links[joint.parent], names.links[joint.child]
         if joint.type == "free":
             (dof,) = joint.dofs
-            child_pose = dof.origin @ motion(dof.kind, dof.axis, stands[dof.name])
+            child_pose = dof.origin @ motion(dof.kind, dof.axis, stance[dof.name])
             floating[child] = (parent, joint.parent_from_joint @ child_pose)
         else:
-            joints += maker.of(joint, parent, child, joint.parent_from_joint)
+            joints += maker.joints_of(joint, parent, child, joint.parent_from_joint)
     for loop in (exchanged.get(original.name, original) for original in robot.loops):
         # From the second link to the first, which the tree already places.
         first = names.links[loop.link_a]
-        *inner, last = maker.of(loop, names.links[loop.link_b], first, loop.b_from_frame)
-        joints += [*inner, replace(last, at=first, place=loop.a_from_frame, carries=False)]
-    between = tuple(name for added in names.links_between.values() for name in added)
-    return SdfJoints(tuple(joints), floating, between, stands)
+        *inner, last = maker.joints_of(loop, names.links[loop.link_b], first, loop.b_from_frame)
+        joints += [
+            *inner,
+            replace(last, pose_link=first, link_from_joint=loop.a_from_frame, carries_child=False),
+        ]
+    added_links = tuple(name for links in names.links_between.values() for name in links)
+    return SdfJoints(tuple(joints), floating, added_links, stance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _JointMaker:
-    """A maker of the SDF joints of a joint or loop. `stands`: the value of each dof in the pose in which the
+    """A maker of the SDF joints of a joint or loop. `stance`: the value of each dof in the pose in which the
     links stand; `relations`: follower → relation."""
 
     names: SdfNames
-    stands: Configuration
+    stance: Configuration
     relations: Mapping[str, Relation]
 
-    def of(self, joint: Joint | Loop, parent: str, child: str, pose: Array) -> Iterator[SdfJoint]:
+    def joints_of(self, joint: Joint | Loop, parent: str, child: str, pose: Array) -> Iterator[SdfJoint]:
         """Yields the joints from `parent` to `child`. `pose`: that of the first joint (4, 4) in the
         parent."""
         if not joint.dofs:
             name = self.names.joints[joint.name]
-            no_limits = Limits(), Dynamics(), None
-            yield SdfJoint(name, "fixed", parent, child, parent, pose, None, *no_limits, carries=True)
+            yield SdfJoint(
+                name,
+                "fixed",
+                parent,
+                child,
+                parent,
+                pose,
+                axis=None,
+                limits=Limits(),
+                dynamics=Dynamics(),
+                follows=None,
+                carries_child=True,
+            )
+        # The links that the dofs connect, one more than there are dofs.
         links = [parent, *self.names.links_between[joint.name], child]
         for dof, parent_of_dof, child_of_dof in zip(joint.dofs, links, links[1:], strict=False):
-            value = self.stands[dof.name]
+            value = self.stance[dof.name]
             yield SdfJoint(
                 self.names.joints[dof.name],
-                _type(dof),
+                _joint_type(dof),
                 parent_of_dof,
                 child_of_dof,
                 parent_of_dof,
@@ -150,7 +172,7 @@ class _JointMaker:
                 dof.limits if isinstance(value, tuple) else dof.limits.mapped(1, -value),
                 dof.dynamics,
                 self._follows(dof),
-                carries=True,
+                carries_child=True,
             )
             pose = np.eye(4)
 
@@ -159,14 +181,14 @@ class _JointMaker:
         relation = self.relations.get(dof.name)
         if relation is None:
             return None
-        follower, driver = self.stands[relation.follower], self.stands[relation.driver]
+        follower, driver = self.stance[relation.follower], self.stance[relation.driver]
         assert not isinstance(follower, tuple)
         assert not isinstance(driver, tuple)
         offset = relation.offset + relation.multiplier * driver - follower
         return Mimic(self.names.joints[relation.driver], relation.multiplier, offset)
 
 
-def _exchanged(loop: Loop) -> Loop:
+def _with_exchanged_links(loop: Loop) -> Loop:
     """Returns the loop with its links exchanged: its dofs in reverse and their axes negated, so that turns
     and slides keep their values. A reader would hang the whole robot on a joint whose child is the root."""
     dofs = loop.dofs[::-1]
@@ -183,47 +205,44 @@ def _exchanged(loop: Loop) -> Loop:
     )
 
 
-def _conjugated(exchanged: Iterable[Loop], stands: Configuration) -> dict[str, Value]:
+def _conjugated_values(exchanged: Iterable[Loop], stance: Configuration) -> dict[str, Value]:
     """Returns the values of the balls of exchanged loops: the conjugated quaternions."""
-    balls = {dof.name: stands[dof.name] for loop in exchanged for dof in loop.dofs if dof.kind == "ball"}
+    balls = {dof.name: stance[dof.name] for loop in exchanged for dof in loop.dofs if dof.kind == "ball"}
     return {name: (q[0], -q[1], -q[2], -q[3]) for name, q in balls.items() if isinstance(q, tuple)}
 
 
 def _stance(robot: Robot, start: Configuration) -> dict[str, Value]:
-    """Returns the value of each dof in the pose in which the links of the SDF stand."""
-    stands: dict[str, Value] = {
+    """Returns the value of each dof, including those of loops, in the pose in which the links of the SDF
+    stand."""
+    stance: dict[str, Value] = {
         dof.name: start[dof.name] if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs
     }
-    poses = link_poses(robot, stands)
+    poses = link_poses(robot, stance)
     if any(gap(loop, poses) > MAX_CLOSED_GAP for loop in robot.loops):
         paths = TreePaths(robot)
         on_loops = {dof.name for loop in robot.loops for dof in paths.dofs_of(loop)}
-        stands |= {dof.name: start[dof.name] for dof in robot.dofs if dof.name in on_loops}
-        poses = link_poses(robot, stands)
+        stance |= {dof.name: start[dof.name] for dof in robot.dofs if dof.name in on_loops}
+        poses = link_poses(robot, stance)
     for loop in robot.loops:
-        stands |= closing_values(loop, relative_pose(loop, poses))
-    return {name: value if _is_moved(value) else _rest(value) for name, value in stands.items()}
+        stance |= closing_values(loop, relative_pose(loop, poses))
+    return {name: value if _is_moved(value) else _zero_of(value) for name, value in stance.items()}
 
 
-def _rest(value: Value) -> Value:
-    """Returns the value of no motion, without rounding errors."""
+def _zero_of(value: Value) -> Value:
+    """Returns the zero of a value's kind: the value of a dof that is not moved."""
     return at_rest("ball" if len(value) == 4 else "free") if isinstance(value, tuple) else 0.0
 
 
 def _is_moved(value: Value) -> bool:
-    """Tells whether a dof at this value is moved."""
+    """Tells whether a value is not zero, apart from rounding errors."""
     if not isinstance(value, tuple):
         return abs(value) > ZERO_TOLERANCE
+    # The last three numbers are the vector part of a unit quaternion: the sine of half the angle.
     sine = math.hypot(*value[-3:])
     return sine > ZERO_TOLERANCE or any(abs(component) > ZERO_TOLERANCE for component in value[:-4])
 
 
-ZERO_TOLERANCE = 1e-12
-"""Largest value [m, rad] that counts as zero: a loop that is closed at zero is closed only up to rounding
-errors."""
-
-
-def _type(dof: Dof) -> SdfJointType:
+def _joint_type(dof: Dof) -> SdfJointType:
     if dof.kind == "ball":
         return "ball"
     if dof.kind == "slide":

@@ -22,12 +22,12 @@ from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.text.names import free_name
 
 VERSION = "1.9"
-"""The newest version that Gazebo Fortress and Debian 12 read."""
+"""Version of SDF: the newest that Gazebo Fortress and Debian 12 read."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfPlan:
-    """The parts of a robot in terms of SDF."""
+    """The names, joints, sensors and contacts of a robot's SDF."""
 
     names: SdfNames
     lowered: SdfJoints
@@ -42,19 +42,19 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
     """Returns the robot as SDF, with the paths of meshes as `keys` choose."""
     names, lowered = plan.names, plan.lowered
     root = element(None, "sdf", version=VERSION)
-    first = names.links[robot.root.name]
-    model = element(root, "model", name=robot.name, canonical_link=first)
+    root_link = names.links[robot.root.name]
+    model = element(root, "model", name=robot.name, canonical_link=root_link)
     write_pose(model, plan.world_from_root)
     if plan.contacts.collides:
         element(model, "self_collide").text = "true"
     assets = "assets/" if keys.meshes == "relative" else f"model://{robot.name}/assets/"
-    carriers = {joint.child: joint for joint in lowered.joints if joint.carries}
+    carriers = {joint.child: joint for joint in lowered.joints if joint.carries_child}
     shapes = geometry.with_whole_visuals.by_link()
     for link in robot.links:
         sdf_name = names.links[link.name]
         # SDF has no links without mass.
-        body = link.inertial if link.inertial.mass > 0 else TINY_INERTIAL
-        node = write_link(model, sdf_name, body, carriers, lowered)
+        inertial = link.inertial if link.inertial.mass > 0 else TINY_INERTIAL
+        node = write_link(model, sdf_name, inertial, carriers, lowered)
         sibling_names: set[str] = set()
         write_shapes(node, shapes[link.name, "visual"], "visual", assets, sibling_names)
         colliders = write_colliders(
@@ -62,22 +62,22 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatSection, plan: Sd
         )
         for sensor in plan.sensors.mounted:
             if sensor.link == link.name and not sensor.is_on_joint:
-                _write_mounted(node, sensor, sibling_names, colliders)
-    for name in lowered.between:
+                _write_placed_sensor(node, sensor, sibling_names, colliders)
+    for name in lowered.added_links:
         write_link(model, name, TINY_INERTIAL, carriers, lowered)
     if robot.base.fixed:
         base = element(model, "joint", name=names.base_joint, type="fixed")
         element(base, "parent").text = "world"
-        element(base, "child").text = first
-    loads: dict[str, list[SdfSensor]] = {}
+        element(base, "child").text = root_link
+    load_sensors: dict[str, list[SdfSensor]] = {}
     for sensor in plan.sensors.mounted:
         if sensor.is_on_joint:
-            loads.setdefault(names.links[sensor.link], []).append(sensor)
+            load_sensors.setdefault(names.links[sensor.link], []).append(sensor)
     for joint in lowered.joints:
         node = write_joint(model, joint)
         sibling_names = set()
-        for sensor in loads.get(joint.child, ()) if joint.carries else ():
-            _write_mounted(node, sensor, sibling_names, (), relative_to=joint.child)
+        for sensor in load_sensors.get(joint.child, ()) if joint.carries_child else ():
+            _write_placed_sensor(node, sensor, sibling_names, (), relative_to=joint.child)
     for frame in robot.frames:
         node = element(model, "frame", name=names.frames[frame.name], attached_to=names.links[frame.link])
         write_pose(node, frame.link_from_frame)
@@ -94,8 +94,8 @@ def write_config(robot: str) -> bytes:
     return to_bytes(root)
 
 
-def _write_mounted(
-    above: Element,
+def _write_placed_sensor(
+    parent: Element,
     sensor: SdfSensor,
     sibling_names: set[str],
     colliders: Sequence[str],
@@ -104,5 +104,5 @@ def _write_mounted(
     """Writes a sensor with its pose, under a name that no sibling has."""
     name = free_name(sensor.name, sibling_names)
     sibling_names.add(name)
-    node = write_sensor(above, sensor, name, colliders)
+    node = write_sensor(parent, sensor, name, colliders)
     write_pose(node, sensor.link_from_sensor, relative_to)

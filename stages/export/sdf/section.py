@@ -1,4 +1,4 @@
-"""Configuration of the SDF writer."""
+"""Defines the configuration of the SDF writer."""
 
 from typing import Literal
 

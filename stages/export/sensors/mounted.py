@@ -50,30 +50,31 @@ class MountedSensors:
         self.sites: list[SensorSite] = []
         self.cameras: list[SensorCamera] = []
         self._geometry = geometry
-        self._has_shapes = robot.mjcf is not None
+        self._sites_have_shapes = robot.mjcf is not None
         self._mounts = mounts_of(robot)
-        self._are_sites = {WORLD, *fused}
+        self._links_as_sites = {WORLD, *fused}
         self._camera_places = camera_places
         self._taken = set(self._mounts)
         self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
         self._log = log
 
     def sensors(self, name: str, keys: "SensorSection") -> Iterator[Sensor]:
-        """Yields the sensors of an entry; nothing if a name is wrong, which the log reports."""
+        """Yields the sensors of an entry. Yields nothing if an error is found, which the log then has
+        (E-FRAME, E-SENSOR)."""
         mount = self._mount(keys.frame or name, f"sensors.{name}.frame")
         if mount is None:
             return
         if keys.type == "camera":
             yield from self._camera(name, keys, mount)
             return
-        target, reference = self._on(name, keys, mount), self._reference(name, keys)
+        target, reference = self._object_of(name, keys, mount), self._reference(name, keys)
         if target is None or reference is None:
             return
-        several = len(MEASURES[keys.type]) > 1
+        has_several = len(MEASURES[keys.type]) > 1
         for measured in keys.measured:
             kind = MEASURES[keys.type][measured]
             yield Sensor(
-                f"{name}_{measured}" if several else name,
+                f"{name}_{measured}" if has_several else name,
                 kind,
                 *target,
                 *reference,
@@ -85,7 +86,7 @@ class MountedSensors:
         """Returns a sensor of the source, on a site of its own if it needs a shape. The sites of an MJCF
         source have their shapes."""
         mount = self._mounts.get(sensor.name_of_target)
-        if not sensor.shape or mount is None or self._has_shapes:
+        if not sensor.shape or mount is None or self._sites_have_shapes:
             return sensor
         pose = mount.link_from_mount
         _, site = self._site(f"{sensor.name_of_target}_zone", mount, pose, sensor.shape, sensor.size)
@@ -101,21 +102,21 @@ class MountedSensors:
         if keys.relative_to is None:
             return "", ""
         mount = self._mount(keys.relative_to, f"sensors.{name}.relative_to")
-        return None if mount is None else self._end(mount)
+        return None if mount is None else self._mjcf_object(mount)
 
-    def _end(self, mount: Mount) -> tuple[SensorTarget, str]:
+    def _mjcf_object(self, mount: Mount) -> tuple[SensorTarget, str]:
         """Returns a frame or link in MJCF's terms: its site if it has a site."""
-        return "site" if mount.is_frame or mount.name in self._are_sites else "xbody", mount.name
+        return "site" if mount.is_frame or mount.name in self._links_as_sites else "xbody", mount.name
 
-    def _on(self, name: str, keys: "SensorSection", mount: Mount) -> tuple[SensorTarget, str] | None:
+    def _object_of(self, name: str, keys: "SensorSection", mount: Mount) -> tuple[SensorTarget, str] | None:
         """Returns the object of the sensor: its mount if the type allows that, else a site of its own."""
         pose = mount.link_from_mount @ _offset(keys)
         if keys.type == "touch":
             return self._zone(name, keys, mount, pose)
         if not any((*keys.xyz, *keys.rpy)):
-            end = self._end(mount)
-            if keys.type == "frame" or end[0] == "site":
-                return end
+            target = self._mjcf_object(mount)
+            if keys.type == "frame" or target[0] == "site":
+                return target
         return self._site(name, mount, pose)
 
     def _site(
@@ -126,6 +127,7 @@ class MountedSensors:
         shape: ZoneShape = "",
         size: tuple[float, ...] = (),
     ) -> tuple[SensorTarget, str]:
+        """Adds a site for a sensor, and returns it as an object of MJCF."""
         unique_name = free_name(name, self._taken)
         self._taken.add(unique_name)
         self.sites.append(SensorSite(unique_name, mount.link, frozen(link_from_site), shape, size))
@@ -134,7 +136,8 @@ class MountedSensors:
     def _zone(
         self, name: str, keys: "SensorSection", mount: Mount, link_from_site: Array
     ) -> tuple[SensorTarget, str] | None:
-        """Returns the site inside which contact is felt, by default the box around the link's colliders."""
+        """Returns the site inside which contact is felt, by default the box around the link's colliders.
+        Reports a link without colliders (E-SENSOR), and returns None."""
         if keys.size is not None:
             shape: ZoneShape = "sphere" if len(keys.size) == 1 else "box"
             return self._site(name, mount, link_from_site, shape, keys.size)
@@ -151,6 +154,7 @@ class MountedSensors:
         return self._site(name, mount, box_pose, "box", tuple(float(side) for side in high - low))
 
     def _camera(self, name: str, keys: "SensorSection", mount: Mount) -> Iterator[Sensor]:
+        """Adds a camera, and yields its projections of the frames and links that it sees."""
         if name in self._camera_places:
             text = f"there is a camera {name!r} already, in {self._camera_places[name]}"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give this camera another name")
@@ -161,7 +165,7 @@ class MountedSensors:
             target = self._mount(target_name, f"sensors.{name}.sees")
             if target is None:
                 continue
-            kind, site = self._end(target)
+            kind, site = self._mjcf_object(target)
             if kind != "site":
                 _, site = self._site(f"{name}_{target_name}", target, target.link_from_mount)
             yield Sensor(

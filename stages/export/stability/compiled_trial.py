@@ -7,9 +7,9 @@ from linkwright.stages.mujoco.trial import MAX_OPENING, TRIAL_SECONDS, Trial, tr
 
 
 def compiled_trial(mjcf: bytes, meshes: Mapping[str, bytes], margin: float) -> Trial | None:
-    """Returns the trial run of a model; `meshes`: file name → content. Returns None if it does not compile,
-    which the validate stage reports. A `margin` above 1 multiplies the duration and divides the allowed
-    opening of loops."""
+    """Returns the trial run of a model; `meshes`: file name → content. Returns None if nothing moves, or if
+    the model does not compile, which the validate stage reports. A `margin` above 1 multiplies the duration
+    and divides the allowed opening of loops."""
     assets = {f"assets/{name}": data for name, data in meshes.items()}
     try:
         model = compiled_text(mjcf, assets)

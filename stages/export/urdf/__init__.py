@@ -6,7 +6,7 @@
 - joints: Writes the joints of a URDF: pose, axis, limits and damping.
 - lowering: Converts joints of several degrees of freedom to chains of URDF joints and almost massless links.
 - model: Writes a robot as URDF: its tree of links and joints.
-- section: Configuration of the URDF writer.
+- section: Defines the configuration of the URDF writer.
 - writer: Declares the format URDF: the tree of links and joints in one file, with the SRDF for MoveIt beside
   it.
 """

@@ -12,11 +12,12 @@ from linkwright.stages.robot.model.poses import from_parts, rpy_from_rotation
 from linkwright.stages.robot.model.robot import Array, Inertial, Primitive
 
 
-def write_link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
-    """Writes a link with its inertial. `shaped`: whether the link has shapes."""
+def write_link(root: Element, name: str, body: Inertial, has_shapes: bool) -> Element:
+    """Writes a link with its inertial, and returns its element. A link without mass has an inertial only if
+    it has shapes."""
     node = element(root, "link", name=name)
     # MuJoCo would derive the mass of a link without an inertial from its shapes.
-    if body.mass > 0 or shaped:
+    if body.mass > 0 or has_shapes:
         inertial = element(node, "inertial")
         element(inertial, "origin", xyz=spaced(body.com, least=LENGTH), rpy="0 0 0")
         element(inertial, "mass", value=number(body.mass))
@@ -33,12 +34,12 @@ def write_shapes(
     material_names: Mapping[Paint, str],
     assets: str,
 ) -> None:
-    """Writes the shapes of `links`, each at its pose (4, 4) in the link of `node`."""
+    """Writes the shapes of `links`, each link at its pose (4, 4) in the link of `node`. `assets`: the prefix
+    of mesh paths."""
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
-        for link_pose, shape in (
-            (link_pose, member) for link, link_pose in links for member in shapes[link, role]
-        ):
+        shapes_with_poses = ((shape, pose) for link, pose in links for shape in shapes[link, role])
+        for shape, link_pose in shapes_with_poses:
             for pose, tag, attributes in _solids(shape, assets):
                 holder = element(node, role)
                 write_origin(holder, link_pose @ pose)
@@ -53,10 +54,11 @@ def _solids(shape: Shape, assets: str) -> Iterator[tuple[Array, str, dict[str, s
     if shape.primitive is None:
         yield np.eye(4), "mesh", {"filename": f"{assets}{shape.file}"}
     else:
-        yield from _primitive(shape.primitive)
+        yield from _primitive_solids(shape.primitive)
 
 
-def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str]]]:
+def _primitive_solids(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str]]]:
+    """Yields the URDF geometries of a primitive, as `_solids` does."""
     pose, size = primitive.link_from_shape, primitive.size
     if primitive.kind == "box":
         yield pose, "box", {"size": spaced(size)}
@@ -67,12 +69,12 @@ def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str
         return
     yield pose, "cylinder", {**radius, "length": number(size[1])}
     if primitive.kind == "capsule":
-        # URDF has no capsule: it becomes a cylinder with a ball at either end.
+        # URDF has no capsule, so it becomes a cylinder with a sphere at either end.
         for end in (-size[1] / 2, size[1] / 2):
             yield pose @ from_parts(np.eye(3), np.array([0.0, 0.0, end])), "sphere", radius
 
 
 def write_origin(parent: Element, pose: Array) -> None:
-    """Writes a pose (4, 4) in the frame of the element `parent`."""
+    """Writes a pose (4, 4) as the <origin> of the element `parent`."""
     rpy = rpy_from_rotation(pose[:3, :3])
     element(parent, "origin", xyz=spaced(pose[:3, 3], least=LENGTH), rpy=spaced(rpy, least=TURN))

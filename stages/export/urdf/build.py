@@ -7,7 +7,7 @@ from linkwright.stages.export.writer import Case, FormatFiles, WriterInput
 
 
 def write(inputs: WriterInput) -> FormatFiles:
-    """Writes the files of the format, and tells what they lose of the robot."""
+    """Returns the files of the format, and the cases by which their losses are found."""
     written = inputs.written
     urdf_path, srdf_path = UrdfFormatSection.paths(written.robot.name)
     plan = srdf.plan_of(written)

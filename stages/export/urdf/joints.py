@@ -15,11 +15,12 @@ DEFAULT_VELOCITY = 10.0
 """Velocity [rad/s or m/s] of a joint without such a limit: URDF requires a number."""
 
 DEFAULT_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
-"""Type of a joint → distance [rad or m] of an end without a limit: URDF requires a number."""
+"""Type of a joint → distance [rad or m] of an open end of its range: URDF requires a number."""
 
 
 def write_joint(root: Element, joint: LoweredJoint) -> Element:
-    """Writes a joint with its pose and, unless it is fixed, its axis and limits."""
+    """Writes a joint with its pose and, if it has an axis, its axis, limits and dynamics. Returns its
+    element."""
     node = element(root, "joint", name=joint.name, type=joint.type)
     write_origin(node, joint.parent_from_joint)
     element(node, "parent", link=joint.parent)
@@ -28,7 +29,7 @@ def write_joint(root: Element, joint: LoweredJoint) -> Element:
         return node
     limits, dynamics = joint.limits, joint.dynamics
     element(node, "axis", xyz=spaced(joint.axis))
-    low, high = (None, None) if joint.type == "continuous" else _ends(joint.type, limits)
+    low, high = (None, None) if joint.type == "continuous" else _range_texts(joint.type, limits)
     element(
         node,
         "limit",
@@ -47,14 +48,14 @@ def write_joint(root: Element, joint: LoweredJoint) -> Element:
     return node
 
 
-def _ends(kind: str, limits: Limits) -> list[str]:
-    """Returns the texts of both ends of the range."""
-    return numbers(_range(kind, limits), least=LENGTH if kind == "prismatic" else TURN)
+def _range_texts(kind: str, limits: Limits) -> list[str]:
+    """Returns the texts of both ends of a joint's range. `kind`: its type in the URDF."""
+    return numbers(_full_range(kind, limits), least=LENGTH if kind == "prismatic" else TURN)
 
 
-def _range(kind: str, limits: Limits) -> tuple[float, float]:
-    """Returns both ends of the range. An open end is placed a fixed distance away, beyond zero and the other
-    end."""
+def _full_range(kind: str, limits: Limits) -> tuple[float, float]:
+    """Returns both ends [rad or m] of a joint's range. An open end is placed at `DEFAULT_REACH` from zero or
+    from the other end, whichever makes the range larger."""
     reach = DEFAULT_REACH[kind]
     low, high = limits.lower, limits.upper
     if low is None:

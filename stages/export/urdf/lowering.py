@@ -32,7 +32,7 @@ class LoweredJoint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lowered:
+class JointChain:
     """A joint of the robot, and the URDF joints that it becomes."""
 
     joint: Joint
@@ -40,14 +40,15 @@ class Lowered:
     """The URDF joints, from parent to child."""
 
     @property
-    def between(self) -> tuple[str, ...]:
+    def added_links(self) -> tuple[str, ...]:
         """Returns the links added between the URDF joints."""
         return tuple(joint.child for joint in self.joints[:-1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Move:
-    """A URDF joint before it has its place in the tree."""
+class _UnplacedJoint:
+    """A URDF joint that has no parent and child yet. `origin` (4, 4): its pose in the frame of the URDF joint
+    before it."""
 
     name: str
     type: UrdfJointType
@@ -57,14 +58,14 @@ class _Move:
     dynamics: Dynamics
 
 
-def lower(robot: Robot, joints: Sequence[Joint] | None = None) -> tuple[Lowered, ...]:
+def lower(robot: Robot, joints: Sequence[Joint] | None = None) -> tuple[JointChain, ...]:
     """Returns the URDF joints of each of `joints`, by default of all joints of the robot, in their order.
 
     A turn or a slide becomes a joint of its dof's name. A ball becomes three turns `<name>_x`, `_y`, `_z`,
     about x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
     """
     names = urdf_names(robot)
-    return tuple(_lowered(joint, names) for joint in (robot.joints if joints is None else joints))
+    return tuple(_joint_chain(joint, names) for joint in (robot.joints if joints is None else joints))
 
 
 def unset_limits(dof: Dof) -> list[str]:
@@ -76,43 +77,46 @@ def unset_limits(dof: Dof) -> list[str]:
     if dof.kind != "ball":
         missing = [side for side in ("lower", "upper") if getattr(dof.limits, side) is None]
     if dof.kind == "turn" and len(missing) == 2:
-        missing = []  # a continuous joint has no range
+        missing = []  # a continuous joint needs no range
     return missing + [key for key in ("effort", "velocity") if getattr(dof.dynamics, key) is None]
 
 
-def _lowered(joint: Joint, names: UrdfNames) -> Lowered:
-    places = [joint.parent, *names.links_between[joint.name], joint.child]
+def _joint_chain(joint: Joint, names: UrdfNames) -> JointChain:
+    """Returns the URDF joints of a joint."""
+    # The links that the URDF joints connect, one more than there are URDF joints.
+    links = [joint.parent, *names.links_between[joint.name], joint.child]
     joints = []
     pose = joint.parent_from_joint
-    for move, parent, child in zip(_moves(joint, names), places, places[1:], strict=False):
-        origin = pose @ move.origin
+    for part, parent, child in zip(_unplaced_joints(joint, names), links, links[1:], strict=False):
+        origin = pose @ part.origin
         joints.append(
-            LoweredJoint(move.name, move.type, parent, child, origin, move.axis, move.limits, move.dynamics)
+            LoweredJoint(part.name, part.type, parent, child, origin, part.axis, part.limits, part.dynamics)
         )
         pose = np.eye(4)
-    return Lowered(joint, tuple(joints))
+    return JointChain(joint, tuple(joints))
 
 
-def _moves(joint: Joint, names: UrdfNames) -> Iterator[_Move]:
+def _unplaced_joints(joint: Joint, names: UrdfNames) -> Iterator[_UnplacedJoint]:
+    """Yields the URDF joints of a joint, from parent to child."""
     if not joint.dofs:
-        yield _Move(joint.name, "fixed", np.eye(4), None, Limits(), Dynamics())
+        yield _UnplacedJoint(joint.name, "fixed", np.eye(4), None, Limits(), Dynamics())
     for dof in joint.dofs:
         if dof.kind == "ball":
-            yield from _turns(dof, names.turns[dof.name])
+            yield from _turns_of_ball(dof, names.turns[dof.name])
         else:
             axis = None if dof.kind == "free" else dof.axis
-            yield _Move(dof.name, _type(dof), dof.origin, axis, dof.limits, dof.dynamics)
+            yield _UnplacedJoint(dof.name, _joint_type(dof), dof.origin, axis, dof.limits, dof.dynamics)
 
 
-def _turns(dof: Dof, names: tuple[str, str, str]) -> Iterator[_Move]:
+def _turns_of_ball(dof: Dof, names: tuple[str, str, str]) -> Iterator[_UnplacedJoint]:
     """Yields a ball as turns about x, y and z, without its cone."""
     origin = dof.origin
     for name, axis in zip(names, np.eye(3), strict=True):
-        yield _Move(name, "continuous", origin, axis, Limits(), dof.dynamics)
+        yield _UnplacedJoint(name, "continuous", origin, axis, Limits(), dof.dynamics)
         origin = np.eye(4)
 
 
-def _type(dof: Dof) -> UrdfJointType:
+def _joint_type(dof: Dof) -> UrdfJointType:
     if dof.kind == "free":
         return "floating"
     if dof.kind == "slide":

@@ -1,4 +1,4 @@
-"""Configuration of the URDF writer."""
+"""Defines the configuration of the URDF writer."""
 
 from typing import Annotated, Literal
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters
+from linkwright.stages.export.mjcf.contact.filters import MAX_CLASSES, filters_of
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.contact.left_out import FilteredPairs
 from linkwright.stages.robot.model.geom_form import ContactProperties
@@ -71,7 +71,7 @@ def test_any_excludes_of_geoms_are_kept_exactly(seed):
     counts = rng.integers(1, 6, rng.integers(2, 6)).tolist()
     fixed = bool(rng.integers(2))
     robot, geometry = robot_of(counts, random_excludes(rng, counts), fixed=fixed)
-    assert not filters(robot, geometry).wide
+    assert not filters_of(robot, geometry).widened_pairs
     assert holds_in_mujoco(robot, geometry)
 
 
@@ -159,8 +159,8 @@ def beside_the_world(number):
 
 def test_geoms_of_the_world_are_told_apart_by_bits():
     robot, geometry = beside_the_world(4)
-    masks = filters(robot, geometry)
-    assert not masks.pairs
+    masks = filters_of(robot, geometry)
+    assert not masks.excluded_pairs
     assert len(set(masks.bits.values())) == 4
     assert holds_in_mujoco(robot, geometry)
 
@@ -168,10 +168,10 @@ def test_geoms_of_the_world_are_told_apart_by_bits():
 @pytest.mark.slow
 def test_thirty_classes_are_told_apart_and_more_are_reported():
     robot, geometry = beside_the_world(MAX_CLASSES)
-    assert filters(robot, geometry).wide == ()
+    assert filters_of(robot, geometry).widened_pairs == ()
     robot, geometry = beside_the_world(MAX_CLASSES + 1)
-    masks = filters(robot, geometry)
-    assert masks.wide == masks.pairs == (("world", f"l{MAX_CLASSES}"),)
+    masks = filters_of(robot, geometry)
+    assert masks.widened_pairs == masks.excluded_pairs == (("world", f"l{MAX_CLASSES}"),)
     (loss,) = messages_of(exported(robot, geometry), "W-WIDE-EXCLUDE")
     assert f"world and l{MAX_CLASSES}" in loss
 
@@ -182,7 +182,7 @@ def test_ground_touches_links_that_the_world_excludes(world, tmp_path):
     shapes = {"world": (ball(5.0),) * world, "arm": (ball(5.0),) * 2}
     robot = robot_with([joint("revolute", "world", "arm")], root="world", shapes=shapes)
     geometry = colliders(robot, [Exclude("world", "arm", "User", 0.0)])
-    assert filters(robot, geometry).pairs == ()
+    assert filters_of(robot, geometry).excluded_pairs == ()
     write(robot, tmp_path, geometry=geometry)
     met = met_in(mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml")))
     assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}

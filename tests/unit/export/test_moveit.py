@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from linkwright.stages.export.ros2.moveit import _real
+from linkwright.stages.export.ros2.moveit import _real_text
 from linkwright.stages.robot.model.robot import Dynamics, Frame, Limits, Relation, frozen
 from tests.support.building import plan_of
 from tests.support.exports import exported, messages_of
@@ -162,7 +162,7 @@ def test_package_is_named_and_left_out_without_moving_joints(tmp_path):
     [(3.0, "3.0"), (0.1 + 0.2, "0.3"), (1e-7, "1.0e-07"), (2.5e20, "2.5e+20"), (1e6, "1000000.0")],
 )
 def test_numbers_are_real_ones_to_yaml(value, text):
-    assert _real(value) == text
+    assert _real_text(value) == text
     read = yaml.safe_load(text)
     assert type(read) is float
     assert math.isclose(read, value)

@@ -136,7 +136,7 @@ def test_joints_of_the_urdf_in_place_of_a_ball_are_listed():
     robot = robot_with([joint("revolute", "base", "arm"), joint("ball", "arm", "hand")])
     turns, links = [f"hand_joint_{axis}" for axis in "xyz"], ["hand_joint_1", "hand_joint_2"]
     assert described(robot)["lowered"] == [{"joint": "hand_joint", "joints": turns, "links": links}]
-    assert [item.between for item in lower(robot)] == [(), tuple(links)]
+    assert [item.added_links for item in lower(robot)] == [(), tuple(links)]
 
 
 def test_things_that_cad_does_not_have_are_marked():

@@ -80,7 +80,7 @@ def test_mass_is_the_robots_and_links_between_weigh_nothing(fixed):
     rng = np.random.default_rng(3)
     rows = [joint(kind, "base", f"{kind}_link", place=pose(rng)) for kind in LOOPS]
     robot = robot_with(rows, fixed=fixed)
-    made_up = [name for item in lower(robot) for name in item.between]
+    made_up = [name for item in lower(robot) for name in item.added_links]
     assert len(made_up) == sum(len(names) - 1 for names in SEVERAL.values())
     total = sum(link.inertial.mass for link in robot.links)
     text = urdf(robot)
@@ -101,7 +101,7 @@ def test_lowered_joints_are_reported_in_the_order_of_the_chain(kind, suffixes):
     if kind != "ball":
         (item,) = lower(robot_with([joint(kind, "base", "arm", backwards=True)]))
         assert [part.name for part in item.joints] == [f"arm_joint_{suffix}" for suffix in suffixes[::-1]]
-        assert [part.child for part in item.joints] == [*item.between, "arm"]
+        assert [part.child for part in item.joints] == [*item.added_links, "arm"]
 
 
 def test_generated_names_are_unique():
@@ -112,9 +112,9 @@ def test_generated_names_are_unique():
     robot = robot_with(rows, frames=[Frame("hip_2", "base", frozen(np.eye(4)), "Hip")])
     ball, _, rod, puck = lower(robot)
     assert [part.name for part in ball.joints] == ["hip_x_2", "hip_y", "hip_z"]
-    assert ball.between == ("hip_1_2", "hip_2_2")
-    assert rod.between == ("rod_1",)
-    assert puck.between == ("hip_1_1", "hip_1_2_2")
+    assert ball.added_links == ("hip_1_2", "hip_2_2")
+    assert rod.added_links == ("rod_1",)
+    assert puck.added_links == ("hip_1_1", "hip_1_2_2")
     root = parse(urdf(robot))
     for tag in ("link", "joint"):
         names = [node.get("name") for node in root.findall(tag)]

@@ -1,5 +1,5 @@
-"""Writes the section <contact> of an MJCF: excluded bodies, and pairs of their geoms that collide
-nevertheless.
+"""Writes the section <contact> of an MJCF: pairs of bodies that are excluded from contact, and pairs of their
+geoms that collide nevertheless.
 
 A pair does not inherit the properties of its geoms. It is written with the properties that MuJoCo would
 compute for their contact (its documentation, "Computation", on contact parameters): those of the geom with
@@ -16,8 +16,9 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.geom_form import ContactProperties
 
 Vector = tuple[float, ...]
+"""The numbers of a contact attribute."""
 
-DEFAULTS: Mapping[str, Vector] = {
+GEOM_DEFAULTS: Mapping[str, Vector] = {
     "friction": (1.0, 0.005, 0.0001),
     "condim": (3.0,),
     "solref": (0.02, 1.0),
@@ -34,15 +35,15 @@ def write_contacts(
     names: Mapping[Geom, str],
     contacts: Mapping[Geom, ContactProperties | None],
 ) -> None:
-    """Writes the excluded bodies and the colliding pairs. `names`, `contacts`: geom that collides → its name,
-    and its contact properties."""
-    if not contact_filters.pairs:
+    """Writes the excluded bodies and the colliding pairs. `names`, `contacts`: collider → its name, and its
+    contact properties."""
+    if not contact_filters.excluded_pairs:
         return
     contact = element(root, "contact")
-    for first, second in contact_filters.kept:
+    for first, second in contact_filters.colliding_geoms:
         properties = _pair_attributes(contacts[first], contacts[second])
         element(contact, "pair", geom1=names[first], geom2=names[second], **properties)
-    for link, other_link in contact_filters.pairs:
+    for link, other_link in contact_filters.excluded_pairs:
         element(contact, "exclude", body1=link, body2=other_link)
 
 
@@ -51,27 +52,32 @@ def _pair_attributes(
 ) -> dict[str, str]:
     """Returns the attributes of a pair of geoms, for the properties that either of them sets."""
     properties = [{} if contact is None else _vectors(contact) for contact in (first_contact, second_contact)]
-    first, second = ({**DEFAULTS, **geom_properties} for geom_properties in properties)
-    mixed = {key: _mixed(key, first, second) for key in DEFAULTS if key in properties[0] | properties[1]}
+    first, second = ({**GEOM_DEFAULTS, **geom_properties} for geom_properties in properties)
+    set_keys = properties[0].keys() | properties[1].keys()
+    mixed = {key: _mixed_value(key, first, second) for key in GEOM_DEFAULTS if key in set_keys}
     if "friction" in mixed:
+        # A pair has friction for two tangents and two rolling axes.
         sliding, torsional, rolling = mixed["friction"]
         mixed["friction"] = (sliding, sliding, torsional, rolling, rolling)
     return {key: spaced(value) for key, value in mixed.items() if key != "priority"}
 
 
 def _vectors(contact: ContactProperties) -> dict[str, Vector]:
+    """Returns the properties that are set, each as a vector."""
     return {key: value if isinstance(value, tuple) else (value,) for key, value in contact.given().items()}
 
 
-def _mixed(key: str, first: Mapping[str, Vector], second: Mapping[str, Vector]) -> Vector:
-    a, b = first[key], second[key]
+def _mixed_value(key: str, first: Mapping[str, Vector], second: Mapping[str, Vector]) -> Vector:
+    """Returns the value of an attribute that MuJoCo computes for the contact of two geoms, from the
+    attributes of both."""
+    first_value, second_value = first[key], second[key]
     if key == "margin":
-        return (a[0] + b[0],)
+        return (first_value[0] + second_value[0],)
     if first["priority"] != second["priority"]:
-        return a if first["priority"] > second["priority"] else b
-    pairs = list(zip(a, b, strict=True))
+        return first_value if first["priority"] > second["priority"] else second_value
+    pairs = list(zip(first_value, second_value, strict=True))
     if key in ("condim", "friction"):
         return tuple(max(pair) for pair in pairs)
-    if key == "solref" and min(a[0], b[0]) <= 0:
+    if key == "solref" and min(first_value[0], second_value[0]) <= 0:
         return tuple(min(pair) for pair in pairs)
     return tuple(sum(pair) / 2 for pair in pairs)

@@ -33,29 +33,30 @@ MAX_CLASSES = 30
 """Largest number of classes: bits 1 to 30 of MuJoCo's integers."""
 
 _Wants = npt.NDArray[np.int8]
-"""(n, n): 1 if two classes should collide, -1 if they should not, 0 if it does not matter."""
+"""Wants (n, n) of classes: 1 if two classes should collide, -1 if they should not, 0 if it does not
+matter."""
 
 
 @dataclass(frozen=True, slots=True)
 class Filters:
     """The contact filters of an MJCF."""
 
-    pairs: tuple[Pair, ...]
+    excluded_pairs: tuple[Pair, ...]
     """The pairs of links that are excluded."""
 
-    kept: tuple[tuple[Geom, Geom], ...]
+    colliding_geoms: tuple[tuple[Geom, Geom], ...]
     """The pairs of geoms of excluded links that collide nevertheless."""
 
     bits: Mapping[Geom, tuple[int, int]]
     """Geom → `contype` and `conaffinity`, for geoms that do not collide with some geoms of the link
     `world`."""
 
-    wide: tuple[Pair, ...]
-    """The pairs (`world`, link) that are excluded as a whole, because there are too few classes to exclude
-    only some of their geoms."""
+    widened_pairs: tuple[Pair, ...]
+    """The pairs (`world`, link) that are excluded as a whole, because there are too few bits to exclude only
+    some of their geoms."""
 
 
-def filters(robot: Robot, geometry: Geometry) -> Filters:
+def filters_of(robot: Robot, geometry: Geometry) -> Filters:
     """Returns the filters for the excludes of `geometry`, without pairs that MuJoCo leaves out by itself or
     that an MJCF source already excludes."""
     left_out = FilteredPairs(robot)
@@ -66,34 +67,34 @@ def filters(robot: Robot, geometry: Geometry) -> Filters:
         and not left_out.contains(exclude.link_a, exclude.link_b)
     ]
     excluded = [exclude for exclude in needed if exclude.link_a != WORLD]
-    chosen: list[Exclude] = []
+    excludes_by_bits: list[Exclude] = []
     classes: list[list[Geom]] = []
     wants: _Wants = np.zeros((0, 0), np.int8)
-    wide = []
+    widened_pairs = []
     for exclude in needed:
         geoms = exclude.geoms or tuple(_geom_pairs(exclude, geometry))
         if exclude.link_a != WORLD or not geoms:
             continue
-        candidates = [*chosen, replace(exclude, geoms=geoms)]
+        candidates = [*excludes_by_bits, replace(exclude, geoms=geoms)]
         classified = _classes(_geoms(robot, candidates), candidates, left_out)
         if len(classified[0]) > MAX_CLASSES:
-            wide.append((exclude.link_a, exclude.link_b))
+            widened_pairs.append((exclude.link_a, exclude.link_b))
         else:
-            chosen, (classes, wants) = candidates, classified
-    pairs = [*((exclude.link_a, exclude.link_b) for exclude in excluded), *wide]
-    kept = [pair for exclude in excluded for pair in _kept(exclude, geometry)]
-    return Filters(tuple(pairs), tuple(kept), _bits(classes, wants), tuple(wide))
+            excludes_by_bits, (classes, wants) = candidates, classified
+    excluded_pairs = [*((exclude.link_a, exclude.link_b) for exclude in excluded), *widened_pairs]
+    colliding_geoms = [pair for exclude in excluded for pair in _colliding_geoms(exclude, geometry)]
+    return Filters(tuple(excluded_pairs), tuple(colliding_geoms), _bits(classes, wants), tuple(widened_pairs))
 
 
 def _geom_pairs(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[int, int]]:
-    """Returns each geom of the first link with each geom of the second."""
-    firsts, seconds = (
+    """Returns (index of a geom of the first link, index of a geom of the second) of all their geoms."""
+    indices_of_first, indices_of_second = (
         range(len(geometry.shapes_of(link, "collision"))) for link in (exclude.link_a, exclude.link_b)
     )
-    return product(firsts, seconds)
+    return product(indices_of_first, indices_of_second)
 
 
-def _kept(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[Geom, Geom]]:
+def _colliding_geoms(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[Geom, Geom]]:
     """Yields the geoms of two links that collide, although other geoms of these links do not."""
     if exclude.geoms:
         excluded = set(exclude.geoms)
@@ -103,16 +104,18 @@ def _kept(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[Geom, Geom]]:
 
 
 def _bits(classes: Sequence[Sequence[Geom]], wants: _Wants) -> dict[Geom, tuple[int, int]]:
-    class_bits = [1 << (MAX_CLASSES - number) for number in range(len(classes))]
-    masks: dict[Geom, tuple[int, int]] = {}
-    for number, geoms in enumerate(classes):
-        colliding = sum(bit for bit, want in zip(class_bits, wants[number], strict=True) if want >= 0)
-        masks |= dict.fromkeys(geoms, (class_bits[number], 1 + colliding))
-    return masks
+    """Returns `contype` and `conaffinity` of the geoms of all classes. `wants`: those of the classes."""
+    class_bits = [1 << (MAX_CLASSES - index) for index in range(len(classes))]
+    bits: dict[Geom, tuple[int, int]] = {}
+    for index, geoms in enumerate(classes):
+        colliding = sum(bit for bit, want in zip(class_bits, wants[index], strict=True) if want >= 0)
+        # The bit 1 is that of all geoms without a class.
+        bits |= dict.fromkeys(geoms, (class_bits[index], 1 + colliding))
+    return bits
 
 
 def _geoms(robot: Robot, excludes: Sequence[Exclude]) -> list[Geom]:
-    """Returns the geoms of the excludes, in the order of the links."""
+    """Returns the geoms that the excludes name, in the order of the links."""
     index_of_link = {link.name: index for index, link in enumerate(robot.links)}
     geoms = {(exclude.link_a, a) for exclude in excludes for a, _ in exclude.geoms}
     geoms |= {(exclude.link_b, b) for exclude in excludes for _, b in exclude.geoms}
@@ -128,33 +131,35 @@ def _classes(
         ((exclude.link_a, a), (exclude.link_b, b)) for exclude in excludes for a, b in exclude.geoms
     }
 
-    def want(exclude: Geom, other: Geom) -> int:
-        if exclude[0] == other[0] or left_out.contains(exclude[0], other[0]):
+    def want(first: Geom, second: Geom) -> int:
+        """Returns whether two geoms should collide, as in `_Wants`."""
+        if first[0] == second[0] or left_out.contains(first[0], second[0]):
             return 0
-        return 1 if excluded_pairs.isdisjoint(((exclude, other), (other, exclude))) else -1
+        return 1 if excluded_pairs.isdisjoint(((first, second), (second, first))) else -1
 
-    wants = np.array([[want(exclude, other) for other in geoms] for exclude in geoms], np.int8)
+    wants = np.array([[want(first, second) for second in geoms] for first in geoms], np.int8)
     classes = [[geom] for geom in geoms]
-    first = 0
-    while first < len(classes):
-        second = first + 1
-        while second < len(classes):
-            if _compatible(wants, first, second):
-                classes[first] += classes.pop(second)
-                wants = _merged_wants(wants, first, second)
+    index = 0
+    while index < len(classes):
+        candidate = index + 1
+        while candidate < len(classes):
+            if _are_compatible(wants, index, candidate):
+                classes[index] += classes.pop(candidate)
+                wants = _merged_wants(wants, index, candidate)
             else:
-                second += 1
-        first += 1
+                candidate += 1
+        index += 1
     return classes, wants
 
 
-def _compatible(wants: _Wants, first: int, second: int) -> bool:
-    """Returns whether a class and a class of a single geom have no conflicting wants."""
+def _are_compatible(wants: _Wants, first: int, second: int) -> bool:
+    """Tells whether two classes have no conflicting wants."""
     return bool((wants[first] * wants[second] >= 0).all())
 
 
 def _merged_wants(wants: _Wants, first: int, second: int) -> _Wants:
-    """Returns the wants of the classes, after two classes that agree are merged."""
+    """Returns the wants of the classes after the class `second` is merged into the compatible class
+    `first`."""
     merged = wants.copy()
     merged[first] = np.where(merged[first] == 0, merged[second], merged[first])
     merged[:, first] = np.where(merged[:, first] == 0, merged[:, second], merged[:, first])

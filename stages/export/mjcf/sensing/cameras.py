@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.scene_section import CameraSection
 
 FRAME_FROM_MUJOCO = frozen(np.diag([1.0, -1.0, -1.0, 1.0]))
+"""frame_from_camera (4, 4): a camera's frame by Linkwright's convention, from the frame by MuJoCo's."""
 
-FOVY = 45.0
+OVERVIEW_FOVY = 45.0
 """Vertical field of view [deg] of the overview: MuJoCo's default."""
 
 OVERVIEW_DIRECTION = np.array([1.0, -0.9, 0.6])
@@ -87,10 +88,11 @@ def write_sensor_camera(parent: Element, parent_from_camera: Array, camera: Sens
 def write_overview(world: Element, center: Array, radius: float) -> None:
     """Writes a camera that sees the whole sphere with this `radius` [m] around `center` (3,)."""
     direction = OVERVIEW_DIRECTION / np.linalg.norm(OVERVIEW_DIRECTION)
-    distance = 1.1 * max(radius, 1e-3) / np.sin(np.radians(FOVY) / 2)
+    # A tenth more than the distance at which the sphere just fits into the view.
+    distance = 1.1 * max(radius, 1e-3) / np.sin(np.radians(OVERVIEW_FOVY) / 2)
     position = np.round(center + direction * distance, 3)
     pose = from_parts(_look_along(center - position), position) @ FRAME_FROM_MUJOCO
-    _camera(world, "overview", pose, FOVY, None)
+    _camera(world, "overview", pose, OVERVIEW_FOVY, None)
 
 
 def _camera(

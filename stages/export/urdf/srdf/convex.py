@@ -20,7 +20,8 @@ _STEPS = (1, 1, 2, 4, 8)
 dropped."""
 
 _GUESS_STEPS = 4
-"""Number of steps for a pose's likely nearest bodies, which are examined before all others."""
+"""Number of steps for the two bodies whose balls are nearest in a pose, which are examined before all
+others."""
 
 _PRISM_SIDES = 16
 """Number of sides of the prism around a cylinder."""
@@ -54,26 +55,27 @@ class ConvexBodies:
     box: "ConvexBodies | None" = None
     """The box around all bodies, as a body of its own."""
 
-    def of(self, rows: npt.NDArray[np.intp]) -> "Part":
-        """Returns the bodies of these rows."""
-        return self.points[rows], self.radii[rows]
+    def rows(self, indices: npt.NDArray[np.intp]) -> "Part":
+        """Returns the points and radii of the bodies with these indices."""
+        return self.points[indices], self.radii[indices]
 
 
 def bodies_of(
     geometry: Geometry, groups: Mapping[str, Sequence[tuple[str, Array]]]
 ) -> dict[str, ConvexBodies]:
-    """Returns the colliders of each link, without links that have none. `groups`: link → all links that are
-    part of it, each with holder_from_link (4, 4)."""
+    """Returns link → its colliders, without links that have none. `groups`: link → all links that are part of
+    it, each with holder_from_link (4, 4)."""
     shapes = geometry.by_link()
-    bodies = {link: _of_link(geometry, shapes, links) for link, links in groups.items()}
+    bodies = {link: _bodies_of_link(geometry, shapes, links) for link, links in groups.items()}
     return {link: body for link, body in bodies.items() if body is not None}
 
 
-def _of_link(
+def _bodies_of_link(
     geometry: Geometry,
     shapes: Mapping[tuple[str, Role], Sequence[Shape]],
     links: Sequence[tuple[str, Array]],
 ) -> ConvexBodies | None:
+    """Returns the colliders of `links`, each link at its pose (4, 4); None without colliders."""
     clouds = [
         (points @ pose[:3, :3].T + pose[:3, 3], radii)
         for link, pose in links
@@ -88,11 +90,14 @@ def _of_link(
 
 
 def distance_bounds(
-    first: ConvexBodies, second: ConvexBodies, first_from_second: Array, close: float
+    first: ConvexBodies, second: ConvexBodies, first_from_second: Array, min_distance: float
 ) -> Array:
-    """Returns lower bounds (n,) [m] of the distance of two links, where the second is at these poses (n, 4,
-    4) in the frame of the first. A bound that is not positive tells nothing. The work ends, with weaker
-    bounds for the rest, at the first pose in which the links are no further apart than `close` [m]."""
+    """Returns lower bounds (n,) [m] of the distance of two links. `first_from_second` (n, 4, 4): the poses of
+    the second link in the frame of the first.
+
+    Links with a bound that is not positive may touch. As soon as the links are known to be no further apart
+    than `min_distance` [m] in one pose, the other poses keep the weaker bounds that they have.
+    """
     count = len(first_from_second)
     turns, shifts = first_from_second[:, :3, :3], first_from_second[:, :3, 3]
     # (n, a, b): the distances of the middles, and of the balls around the bodies, of each pair of bodies.
@@ -101,9 +106,9 @@ def distance_bounds(
     gaps = distances - first.reaches[None, :, None] - second.reaches
     upper_bounds = distances.reshape(count, -1).min(axis=1)
     bounds = np.full(count, np.inf)
-    if upper_bounds.min() <= close:
-        blind: Array = gaps.reshape(count, -1).min(axis=1)
-        return blind
+    if upper_bounds.min() <= min_distance:
+        gap_bounds: Array = gaps.reshape(count, -1).min(axis=1)
+        return gap_bounds
     if gaps[0].size > 1:
         upper_bounds = np.minimum(upper_bounds, _first_guess(first, second, turns, shifts, middles, gaps))
     may_be_nearest = gaps < upper_bounds[:, None, None]
@@ -112,16 +117,16 @@ def distance_bounds(
     best = gaps[may_be_nearest]
     point = first.middles[in_first] - middles[poses, in_second]
     for steps in _STEPS:
-        pair = first.of(in_first), second.of(in_second)
+        pair = first.rows(in_first), second.rows(in_second)
         best, point = _narrowed(*pair, turns[poses], shifts[poses], best, point, steps)
         np.minimum.at(upper_bounds, poses, np.linalg.norm(point, axis=1))
         # In each pose only the pairs of bodies matter that may be the nearest.
         is_open = best < upper_bounds[poses]
         np.minimum.at(bounds, poses[~is_open], best[~is_open])
         poses, in_first, in_second, best, point = (
-            each[is_open] for each in (poses, in_first, in_second, best, point)
+            array[is_open] for array in (poses, in_first, in_second, best, point)
         )
-        if upper_bounds.min() <= close or not len(poses):
+        if upper_bounds.min() <= min_distance or not len(poses):
             break
     np.minimum.at(bounds, poses, best)
     return bounds
@@ -136,7 +141,8 @@ def _first_guess(
     in_first, in_second = np.divmod(gaps.reshape(len(gaps), -1).argmin(axis=1), gaps.shape[2])
     point = first.middles[in_first] - middles[poses, in_second]
     best = gaps[poses, in_first, in_second]
-    point = _narrowed(first.of(in_first), second.of(in_second), turns, shifts, best, point, _GUESS_STEPS)[1]
+    pair = first.rows(in_first), second.rows(in_second)
+    _, point = _narrowed(*pair, turns, shifts, best, point, _GUESS_STEPS)
     distances: Array = np.linalg.norm(point, axis=1)
     return distances
 
@@ -148,9 +154,12 @@ Part = tuple[Array, Array]
 def _narrowed(
     first: Part, second: Part, turns: Array, shifts: Array, best: Array, point: Array, steps: int
 ) -> tuple[Array, Array]:
-    """Returns the state after `steps` more steps: the largest distance (m,) [m] of parallel planes between
-    each two bodies so far, and the shortest vector (m, 3) from the second to the first."""
+    """Returns the state of m pairs of bodies after `steps` more steps: the largest distance (m,) [m] of
+    parallel planes between the bodies so far, and the shortest vector (m, 3) from the second to the first.
+    `turns` (m, 3, 3), `shifts` (m, 3): the pose of the second in the frame of the first; `best`, `point`: the
+    state before."""
     for _ in range(steps):
+        # The smallest divisors only prevent divisions by zero.
         size = np.linalg.norm(point, axis=1)
         direction = -point / np.maximum(size, 1e-12)[:, None]
         first_point = _support(first, direction)
@@ -175,6 +184,7 @@ def _support(part: Part, direction: Array) -> Array:
 
 
 def _bodies(balls: Sequence[tuple[Array, Array]], box: ConvexBodies | None = None) -> ConvexBodies:
+    """Returns bodies from the centres (v, 3) and radii (v,) of the balls of each; v may differ."""
     ball_count = max(len(radii) for _, radii in balls)
     points = np.stack([np.concatenate([p, np.repeat(p[:1], ball_count - len(p), axis=0)]) for p, _ in balls])
     radii = np.stack([np.concatenate([r, np.repeat(r[:1], ball_count - len(r))]) for _, r in balls])
@@ -189,7 +199,7 @@ def _bodies(balls: Sequence[tuple[Array, Array]], box: ConvexBodies | None = Non
 def _balls(shape: Shape, geometry: Geometry) -> tuple[Array, Array]:
     """Returns points (v, 3) and radii (v,) of balls whose convex hull contains the whole shape."""
     if shape.primitive is not None:
-        return _of_primitive(shape.primitive)
+        return _balls_of_primitive(shape.primitive)
     assert shape.file is not None
     points = np.unique(mesh_points(shape.file, geometry.files[shape.file]), axis=0)
     if len(points) > _MAX_POINTS:
@@ -197,7 +207,8 @@ def _balls(shape: Shape, geometry: Geometry) -> tuple[Array, Array]:
     return points, np.zeros(len(points))
 
 
-def _of_primitive(primitive: Primitive) -> tuple[Array, Array]:
+def _balls_of_primitive(primitive: Primitive) -> tuple[Array, Array]:
+    """Returns points and radii of balls whose convex hull contains a primitive, in its link's frame."""
     size, pose = primitive.size, primitive.link_from_shape
     radius = 0.0
     if primitive.kind == "box":

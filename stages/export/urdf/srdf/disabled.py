@@ -17,24 +17,25 @@ grow with its square."""
 
 
 @dataclass(frozen=True, slots=True)
-class Disabled:
+class DisabledPairs:
     """The pairs of links that MoveIt does not check."""
 
     pairs: tuple[tuple[Pair, Reason], ...]
     """The pairs and their reasons, in the order of the URDF's links."""
 
-    partly: tuple[Pair, ...]
+    partial_pairs: tuple[Pair, ...]
     """The pairs of which only some colliders do not collide."""
 
-    worked_out: bool = True
-    """Whether the pairs include all that never meet, as far as sampled poses show."""
+    has_distant_pairs: bool = True
+    """Whether the pairs that never meet were computed, or are recorded; False if there are too many links."""
 
 
-def disabled_pairs(written: Written) -> Disabled:
-    """Returns the pairs of the URDF. Those that never meet are computed unless they are recorded."""
-    reasons, partly = excluded_pairs(written)
+def disabled_pairs(written: Written) -> DisabledPairs:
+    """Returns the pairs of links of the URDF. Those that never meet are computed, unless `written.srdf_form`
+    records them."""
+    reasons, partial_pairs = excluded_pairs(written)
     if not written.shapes.self_contact:
-        return Disabled(tuple(reasons.items()), partly)
+        return DisabledPairs(tuple(reasons.items()), partial_pairs)
     recorded = written.srdf_form
     distant_pairs: Collection[Pair] | None = (
         _never_meeting(written, reasons) if recorded is None else recorded.never
@@ -42,7 +43,9 @@ def disabled_pairs(written: Written) -> Disabled:
     reasons |= dict.fromkeys(distant_pairs or (), "Never")
     order = {link.name: number for number, link in enumerate(written.robot.links)}
     pairs = sorted(reasons, key=lambda pair: (order[pair[0]], order[pair[1]]))
-    return Disabled(tuple((pair, reasons[pair]) for pair in pairs), partly, distant_pairs is not None)
+    return DisabledPairs(
+        tuple((pair, reasons[pair]) for pair in pairs), partial_pairs, distant_pairs is not None
+    )
 
 
 def _never_meeting(written: Written, excluded: Collection[Pair]) -> tuple[Pair, ...] | None:
@@ -52,6 +55,6 @@ def _never_meeting(written: Written, excluded: Collection[Pair]) -> tuple[Pair, 
     if len(bodies) > MAX_LINKS:
         return None
     if {loop.name for loop in robot.loops} == set(written.urdf_form.closed):
-        # The relations of the URDF alone close them, which is quicker worked out.
+        # The relations of the URDF close all loops, so poses need no search for closed loops.
         urdf_robot = replace(urdf_robot, loops=())
     return never_meeting(urdf_robot, home(robot), bodies, excluded)

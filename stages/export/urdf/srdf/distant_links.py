@@ -31,20 +31,22 @@ _MAX_DOFS = 6
 them count only if the balls around them stay apart."""
 
 _NEAREST_COUNT = 32
-"""Number of nearest poses, from whose distances those of unseen poses are extrapolated."""
+"""Number of the poses with the smallest distances, from which the distance in other poses is extrapolated."""
 
-_FIRST_BATCH = 8
-_BATCH = 64
-"""Number of poses of a pair whose distances are computed at once: at first, and then."""
+_FIRST_BATCH_SIZE = 8
+"""Number of poses of a pair whose distances are computed first."""
+
+_BATCH_SIZE = 64
+"""Number of poses of a pair whose distances are computed at once after the first."""
 
 _MAX_COMPUTED = 256
 """Largest number of poses of a pair whose distances are computed: a pair that needs more may meet."""
 
 
 def never_meeting(
-    robot: Robot, start: Configuration, bodies: Mapping[str, ConvexBodies], excluded: Collection[Pair]
+    robot: Robot, start: Configuration, bodies: Mapping[str, ConvexBodies], excluded_pairs: Collection[Pair]
 ) -> tuple[Pair, ...]:
-    """Returns the pairs of links that never meet, without those `excluded`, in the order of the links.
+    """Returns the pairs of links that never meet, without `excluded_pairs`, in the order of the links.
     `start`: a pose in which the loops are closed; `bodies`: the colliders of the links that have some.
 
     If the distance of two links grows from its minimum at the end of ranges, the n-th smallest of N values
@@ -54,7 +56,7 @@ def never_meeting(
     robot = _as_read_from_urdf(robot)
     order = [link.name for link in robot.links if link.name in bodies]
     counts = _DofCounts(robot)
-    pairs = [(pair, counts.of(*pair)) for pair in combinations(order, 2) if pair not in excluded]
+    pairs = [(pair, counts.between(*pair)) for pair in combinations(order, 2) if pair not in excluded_pairs]
     pairs = [(pair, count) for pair, count in pairs if count]
     if not pairs:
         return ()
@@ -80,61 +82,67 @@ def never_meeting(
 def _never_meet(
     first_bodies: ConvexBodies,
     second_bodies: ConvexBodies,
-    first: Array,
-    second: Array,
-    between: Array,
-    count: int,
+    first_poses: Array,
+    second_poses: Array,
+    middle_distances: Array,
+    dof_count: int,
 ) -> bool:
-    """Tells whether two links never meet. `first`, `second`: their poses (n, 4, 4); `between`: the distances
-    (n,) of the middles of the balls around them; `count`: the number of dofs between them."""
-    distances = between - first_bodies.reach - second_bodies.reach
-    if _extrapolated_distance(distances, count) > MIN_DISTANCE:
+    """Tells whether two links never meet. `first_poses`, `second_poses` (n, 4, 4); `middle_distances` (n,):
+    the distances [m] of the middles of the balls around them; `dof_count`: the number of dofs between
+    them."""
+    # Lower bounds of the distances, which are replaced by better bounds for the nearest poses.
+    distances = middle_distances - first_bodies.reach - second_bodies.reach
+    if _extrapolated_distance(distances, dof_count) > MIN_DISTANCE:
         return True
-    if count > _MAX_DOFS:
+    if dof_count > _MAX_DOFS:
         return False
     computed = np.zeros(len(distances), dtype=bool)
     while not computed[np.argsort(distances, kind="stable")[:_NEAREST_COUNT]].all():
         is_first = not computed.any()
         rows = np.argsort(np.where(computed, np.inf, distances), kind="stable")
-        rows = rows[: _FIRST_BATCH if is_first else _BATCH]
+        rows = rows[: _FIRST_BATCH_SIZE if is_first else _BATCH_SIZE]
         rows = rows[~computed[rows]]
         bounds = distance_bounds(
-            first_bodies, second_bodies, _relative(first[rows], second[rows]), MIN_DISTANCE
+            first_bodies, second_bodies, _relative(first_poses[rows], second_poses[rows]), MIN_DISTANCE
         )
         distances[rows] = np.maximum(distances[rows], bounds)
         computed[rows] = True
         # Computed distances stay, and the bounds of the others only grow.
         if (
-            _extrapolated_distance(distances, count, float(distances[computed].min())) <= MIN_DISTANCE
+            _extrapolated_distance(distances, dof_count, float(distances[computed].min())) <= MIN_DISTANCE
             or computed.sum() >= _MAX_COMPUTED
         ):
             return False
         if is_first and first_bodies.box is not None and second_bodies.box is not None:
             uncomputed = np.flatnonzero(~computed)
             boxes = distance_bounds(
-                first_bodies.box, second_bodies.box, _relative(first[uncomputed], second[uncomputed]), -np.inf
+                first_bodies.box,
+                second_bodies.box,
+                _relative(first_poses[uncomputed], second_poses[uncomputed]),
+                -np.inf,
             )
             distances[uncomputed] = np.maximum(distances[uncomputed], boxes)
-    return _extrapolated_distance(distances, count) > MIN_DISTANCE
+    return _extrapolated_distance(distances, dof_count) > MIN_DISTANCE
 
 
-def _extrapolated_distance(distances: Array, count: int, nearest: float | None = None) -> float:
+def _extrapolated_distance(distances: Array, dof_count: int, nearest: float | None = None) -> float:
     """Returns the smallest distance [m] to expect in all poses, from the distances in the sampled ones.
-    `count`: the number of dofs between the links; `nearest`: the smallest distance, if it is not to be taken
-    from `distances`."""
+    `dof_count`: the number of dofs between the links; `nearest`: the smallest distance, by default that in
+    `distances`."""
     smallest = np.partition(distances, _NEAREST_COUNT - 1)[:_NEAREST_COUNT]
     first, last = float(smallest.min()) if nearest is None else nearest, float(smallest.max())
-    unseen: float = (last - first) / (float(_NEAREST_COUNT) ** (1.0 / count) - 1.0)
+    # The distance by which a pose between the sampled ones may be nearer: see `never_meeting`.
+    unseen: float = (last - first) / (float(_NEAREST_COUNT) ** (1.0 / dof_count) - 1.0)
     return first - unseen
 
 
 def _relative(first: Array, second: Array) -> Array:
-    """Returns first_from_second (n, 4, 4)."""
+    """Returns first_from_second (n, 4, 4) from the poses (n, 4, 4) of both links."""
     turns = np.swapaxes(first[:, :3, :3], 1, 2)
-    out = np.tile(np.eye(4), (len(first), 1, 1))
-    out[:, :3, :3] = turns @ second[:, :3, :3]
-    out[:, :3, 3] = np.einsum("nij,nj->ni", turns, second[:, :3, 3] - first[:, :3, 3])
-    return out
+    first_from_second = np.tile(np.eye(4), (len(first), 1, 1))
+    first_from_second[:, :3, :3] = turns @ second[:, :3, :3]
+    first_from_second[:, :3, 3] = np.einsum("nij,nj->ni", turns, second[:, :3, 3] - first[:, :3, 3])
+    return first_from_second
 
 
 def _as_read_from_urdf(robot: Robot) -> Robot:
@@ -155,7 +163,8 @@ def _as_read_from_urdf(robot: Robot) -> Robot:
 
 
 class _DofCounts:
-    """The numbers of dofs between any two links."""
+    """The numbers of independent dofs between any two links: a follower counts as its driver, a ball as three
+    dofs."""
 
     def __init__(self, robot: Robot) -> None:
         self._parents = {joint.child: joint.parent for joint in robot.joints}
@@ -171,9 +180,9 @@ class _DofCounts:
             for joint in robot.joints
         }
 
-    def of(self, first: str, second: str) -> int:
-        """Returns the number of dofs between two links; 0 if a free joint is between them, which may go
-        anywhere."""
+    def between(self, first: str, second: str) -> int:
+        """Returns the number of dofs between two links; 0 if a free joint is between them, which
+        leaves them free to meet."""
         links: Iterator[str] = (
             link for path in paths_up(first, second, self._parents, self._order) for link in path
         )

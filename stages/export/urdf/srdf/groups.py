@@ -12,8 +12,11 @@ from linkwright.stages.robot.text.names import free_name
 ALL = "all"
 """Name of the group of all joints."""
 
-_FINGER = re.compile(r"finger|thumb|jaw|claw", re.IGNORECASE)
-_GRIPPER = re.compile(r"gripper", re.IGNORECASE)
+_FINGER_PATTERN = re.compile(r"finger|thumb|jaw|claw", re.IGNORECASE)
+"""Matches the names of joints and links of fingers."""
+
+_GRIPPER_PATTERN = re.compile(r"gripper", re.IGNORECASE)
+"""Matches the names of joints of grippers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,25 +74,26 @@ def groups_of(robot: Robot, passive: Collection[str]) -> Groups:
     for tip, link in tree.tips(fingers, frozenset(hands)):
         joints = tree.moving[link]
         if joints:
-            chains.append(Group(_name(tip, used_names), joints, tree.base[link], tip))
+            chains.append(Group(_group_name(tip, used_names), joints, tree.base[link], tip))
     names = {chain.tip: chain.name for chain in chains}
     grippers: list[Gripper] = []
     groups: list[Group] = []
     for hand in hands:
         gripper_name = "gripper" if len(hands) == 1 else f"{hand}_gripper"
-        group = Group(_name(gripper_name, used_names), tree.joints_below(hand))
+        group = Group(_group_name(gripper_name, used_names), tree.joints_below(hand))
         groups.append(group)
         grippers.append(Gripper(group.name, group.name, tree.holder(hand), names[tree.tip_of(hand)]))
     all_joints = tuple(name for joint in robot.joints for name in tree.names[joint.name])
     if all_joints and all(len(chain.joints) < len(all_joints) for chain in chains):
-        groups.append(Group(_name(ALL, used_names), all_joints))
+        groups.append(Group(_group_name(ALL, used_names), all_joints))
     return Groups((*chains, *groups), tuple(grippers))
 
 
-def _name(name: str, used_names: set[str]) -> str:
-    unique = free_name(name, used_names)
-    used_names.add(unique)
-    return unique
+def _group_name(proposal: str, used_names: set[str]) -> str:
+    """Returns a free name for a group, and adds it to `used_names`."""
+    name = free_name(proposal, used_names)
+    used_names.add(name)
+    return name
 
 
 class _Tree:
@@ -143,8 +147,8 @@ class _Tree:
                 yield tip, tip
 
     def tip_of(self, body: str) -> str:
-        """Returns the end of the first chain to a body: a frame, the single link that carries nothing, or the
-        link that moves."""
+        """Returns the last link of the first chain to a body: a frame, the only link of the body that carries
+        nothing, or the link that its joint moves."""
         if self._frames[body]:
             return self._frames[body][0][0]
         leaves = [link for link in self._links[body] if link in self._leaves]
@@ -182,39 +186,46 @@ class _Tree:
         return bodies
 
     def _carries_fingers(self, body: str) -> bool:
+        """Tells whether all parts beyond a body are fingers: by their names, or since a single dof drives
+        several ends."""
         children, subtree = self._children[body], self._subtree_of[body]
         if not children:
             return False
-        if subtree.fingers:
+        if subtree.has_finger_names:
             return True
-        direct = all(not self._children[joint.child] for joint in children)
-        if direct and all(_GRIPPER.search(joint.name) for joint in children):
+        are_last = all(not self._children[joint.child] for joint in children)
+        if are_last and all(_GRIPPER_PATTERN.search(joint.name) for joint in children):
             return True
-        # The dof that drives all joints has to be one of them.
-        has_driver = subtree.driver is not None and subtree.driver in subtree.has
-        return has_driver and sum(self._subtree_of[joint.child].ends for joint in children) > 1
+        # A dof elsewhere that drives all joints makes no gripper.
+        is_driven_within = subtree.driver is not None and subtree.driver in subtree.inner_driver
+        return is_driven_within and sum(self._subtree_of[joint.child].has_end for joint in children) > 1
 
     def _subtrees(self, robot: Robot, passive: frozenset[str]) -> dict[str, "_Subtree"]:
+        """Returns body → the part of the robot beyond it, from the ends of the robot to its root."""
         drivers = {relation.follower: relation.driver for relation in robot.relations}
         subtrees: dict[str, _Subtree] = {}
         for body in reversed(self._links):
             below = [subtrees[joint.child] for joint in self._children[body]]
-            fingers = all(part.fingers for part in below)
-            driving = {name for part in below for name in part.drivers}
+            has_finger_names = all(part.has_finger_names for part in below)
+            drivers_below = {name for part in below for name in part.drivers}
             for joint in self._children[body]:
-                fingers &= bool(_FINGER.search(joint.name) or _FINGER.search(joint.child))
-                driving |= {drivers.get(dof.name, dof.name) for dof in joint.dofs} - passive
-            has: set[str] = set()
-            if len(driving) == 1:
+                has_finger_names &= bool(
+                    _FINGER_PATTERN.search(joint.name) or _FINGER_PATTERN.search(joint.child)
+                )
+                drivers_below |= {drivers.get(dof.name, dof.name) for dof in joint.dofs} - passive
+            inner_driver: set[str] = set()
+            if len(drivers_below) == 1:
                 dofs = {dof.name for joint in self._children[body] for dof in joint.dofs}
-                has = driving & dofs.union(*(part.has for part in below))
-            ends = body in self._ends or any(part.ends for part in below)
-            # Only whether there are none, one or several matters.
-            subtrees[body] = _Subtree(fingers, tuple(sorted(driving)[:2]), frozenset(has), ends)
+                inner_driver = drivers_below & dofs.union(*(part.inner_driver for part in below))
+            has_end = body in self._ends or any(part.has_end for part in below)
+            # It only matters whether there is no driver, one, or several, so two are enough.
+            first_drivers = tuple(sorted(drivers_below)[:2])
+            subtrees[body] = _Subtree(has_finger_names, first_drivers, frozenset(inner_driver), has_end)
         return subtrees
 
     def _rods(self, robot: Robot) -> set[str]:
-        """Returns the bodies that only close loops: the lighter of the two ends that a loop joins."""
+        """Returns the bodies that only close loops: the end of the robot that a loop joins, or the lighter of
+        two ends."""
         masses: dict[str, float] = dict.fromkeys(self._links, 0.0)
         for link in robot.links:
             masses[self._body[link.name]] += link.inertial.mass
@@ -233,16 +244,16 @@ class _Tree:
 class _Subtree:
     """The part of the robot beyond a body."""
 
-    fingers: bool
-    """Whether all its joints are named like fingers."""
+    has_finger_names: bool
+    """Whether all its joints, or the links below them, are named like fingers."""
 
     drivers: tuple[str, ...]
     """The first two dofs that drive its joints."""
 
-    has: frozenset[str]
-    """The driver, if it is single and moves a joint of this part."""
+    inner_driver: frozenset[str]
+    """The driver, if it is single and a dof of this part; else empty."""
 
-    ends: bool
+    has_end: bool
     """Whether the part includes an end of the robot."""
 
     @property

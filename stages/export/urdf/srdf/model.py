@@ -6,7 +6,7 @@ Element rules are those of srdfdom, MoveIt's own reader; names are those of the 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from linkwright.stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
+from linkwright.stages.export.urdf.srdf.disabled import DisabledPairs, disabled_pairs
 from linkwright.stages.export.urdf.srdf.distant_links import POSE_COUNT
 from linkwright.stages.export.urdf.srdf.groups import Groups, groups_of
 from linkwright.stages.export.urdf.srdf.source_groups import source_groups
@@ -25,14 +25,14 @@ WORLD = "world"
 
 @dataclass(frozen=True, slots=True)
 class SrdfPlan:
-    """The content of an SRDF."""
+    """The content of an SRDF, by the names of the URDF."""
 
     groups: Groups
 
     states: Mapping[str, Mapping[str, str]]
     """Pose → joint of the URDF → the text of its value."""
 
-    disabled: Disabled
+    disabled: DisabledPairs
 
     passive: tuple[str, ...]
     """The joints of the URDF that nothing drives."""
@@ -74,7 +74,8 @@ def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
         else:
             for joint in group.joints:
                 element(node, "joint", name=joint)
-    # Readers without groups keep the first state of a name, which is that of the group with the most joints.
+    # Readers that ignore groups keep the first state of each name, so the group with the most joints is
+    # first.
     for group in sorted(plan.groups.groups, key=lambda candidate: -len(candidate.joints)):
         for name, values in plan.states.items():
             state = element(root, "group_state", name=name, group=group.name)
@@ -92,6 +93,7 @@ def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
     for joint in plan.passive:
         element(root, "passive_joint", name=joint)
     if any(reason == "Never" for _, reason in plan.disabled.pairs):
+        # The source's SRDF may name pairs that never meet: sampled poses are no reason for these.
         where = ", where the source does not say so" if robot.semantics.disabled else ""
         text = (
             f"Never{where}: apart in each of {POSE_COUNT} seeded poses, with room for what lies between them"

@@ -17,10 +17,11 @@ def source_groups(written: Written) -> Groups:
         return holders[name][0] if name in holders else names.frames[name]
 
     def groups() -> Iterator[Group]:
+        """Yields the groups with their joints in the URDF."""
         for group in robot.semantics.groups:
             joints = tuple(joint for dof in group.joints for joint in names.turns.get(dof, (dof,)))
             base, tip = (link(group.base), link(group.tip)) if group.tip else ("", "")
-            is_chain = group.tip and _moving(chains, base, tip) == joints
+            is_chain = group.tip and _moving_joints(chains, base, tip) == joints
             yield Group(group.name, joints, base, tip) if is_chain else Group(group.name, joints)
 
     effectors = (
@@ -30,6 +31,7 @@ def source_groups(written: Written) -> Groups:
     return Groups(tuple(groups()), tuple(effectors))
 
 
-def _moving(chains: UrdfChains, base: str, tip: str) -> tuple[str, ...]:
-    """Returns the joints that move between a link and another below it."""
+def _moving_joints(chains: UrdfChains, base: str, tip: str) -> tuple[str, ...]:
+    """Returns the joints that move between a link and another link below it; nothing if there is no chain
+    between them."""
     return tuple(step.name for step in chains.between(base, tip) or () if step.moves)

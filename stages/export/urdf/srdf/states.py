@@ -12,8 +12,8 @@ from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 
 
 def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:
-    """Returns the values, as text, of the moving joints of the URDF in each pose: `home` and the poses of the
-    user. Free joints have no values. `names`: the names in the URDF."""
+    """Returns pose → joint of the URDF → text of its value [rad or m], for `home` and the poses of the user.
+    Free joints have no values. `names`: the names in the URDF."""
     pose_names = [HOME, *(keyframe.name for keyframe in robot.keyframes if keyframe.name != HOME)]
     poses = keyframes(robot)
     return {
@@ -23,6 +23,7 @@ def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:
 
 
 def _texts(dof: Dof, value: Value, names: UrdfNames) -> Iterator[tuple[str, str]]:
+    """Yields (joint of the URDF, text of its value) of a dof."""
     if dof.kind == "ball":
         angles = turns_from_rotation(rotation_from_quat(np.array(value)))
         for name, angle in zip(names.turns[dof.name], angles, strict=True):
