@@ -1,6 +1,6 @@
 """Checks a URDF or MJCF by itself, for errors that do not depend on which robot the file describes.
 
-- bodies: Compares the bodies of a bare file with their shapes and each other, under the codes of a build.
+- bodies: Compares the bodies of a bare file with their shapes and with each other, under the codes of a build.
 - figures: Defines the masses and sizes of the bodies of a bare file, whatever its format.
 - findings: Lists the checks of a bare file, a URDF or MJCF by itself, and parses the numbers in it.
 - judged: Judges masses, inertias and angles, by rules that are the same in every format.
@@ -11,8 +11,8 @@
 - mjcf_keys: Checks the keyframes of an MJCF: the number of their values, and that these are within limits.
 - mjcf_values: Checks the numbers of an MJCF: those of its joints, bodies and actuators.
 - run: Runs the checks of a bare file.
-- start: Simulates a bare file in MuJoCo: whether it compiles, how it starts, and whether it stays finite for
-  a second.
+- start: Compiles and simulates a bare file in MuJoCo: checks that it compiles, starts without overlaps and
+  open loops, and stays finite for a second.
 - urdf_against_mjcf: Compares the URDF and the MJCF of the same robot: kinematics, masses and limits, by
   names.
 - urdf_figures: Reads the masses and sizes of the bodies of a URDF, from its text and its meshes.

@@ -1,4 +1,4 @@
-"""Compares the bodies of a bare file with their shapes and each other, under the codes of a build."""
+"""Compares the bodies of a bare file with their shapes and with each other, under the codes of a build."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -13,121 +13,124 @@ from linkwright.stages.validate.model.body_shapes import measured_directions
 from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS, MAX_MARKER_SIZE, ShapedInertial
 
 MAX_MASS_RATIO = 1000.0
-"""Mass ratio of neighbours above which solvers struggle."""
+"""Ratio of the masses of neighbouring bodies above which solvers converge slowly."""
 
 MIN_DOUBTFUL_DISTANCE, MIN_WRONG_DISTANCE = 0.1, 1.0
-"""Distances of a collider from the visual shapes, as shares of their size: above the first the collider is
-worth a look, above the second it belongs elsewhere."""
+"""Distances as shares of the size of the visual shapes. A collider whose box is farther than the first from
+theirs is reported. If the colliders miss the visual shapes by more than the sum of both, that is an error."""
 
 MIN_DOUBTFUL_WIDTH = 5.0
 """Width of a collider, in widths of the visual shapes, above which it is worth a look."""
 
 
-def inertials(lumps: Sequence[Lump]) -> list[ShapedInertial]:
+def lump_inertials(lumps: Sequence[Lump]) -> list[ShapedInertial]:
     """Returns the inertials of the lumps whose shapes are known."""
-    inertials = (lump.inertial for lump in lumps)
-    return [inertial for inertial in inertials if inertial is not None]
+    return [inertial for lump in lumps if (inertial := lump.inertial) is not None]
 
 
-def colliders(lumps: Sequence[Lump]) -> tuple[CheckLevel, list[Finding]]:
+def collider_findings(lumps: Sequence[Lump]) -> tuple[CheckLevel, list[Finding]]:
     """Returns findings on colliders that are far from the visual shapes of their lump, or many times their
     size, with the level: an error if a collider is certainly wrong, which then comes first."""
-    misplaced = [row for lump in lumps for row in _misplaced(lump)]
-    level: CheckLevel = "error" if any(wrong for wrong, _ in misplaced) else "warning"
-    return level, [finding for _, finding in sorted(misplaced, key=lambda row: not row[0])]
+    rows = [row for lump in lumps for row in _misplaced_colliders(lump)]
+    level: CheckLevel = "error" if any(is_certain for is_certain, _ in rows) else "warning"
+    return level, [finding for _, finding in sorted(rows, key=lambda row: not row[0])]
 
 
-def weightless(lumps: Sequence[Lump]) -> Iterator[CodedFinding]:
+def massless_findings(lumps: Sequence[Lump]) -> Iterator[CodedFinding]:
     """Yields the bodies of a URDF that move although neither they nor the bodies that they carry have a mass:
-    no engine can move these."""
-    holders = {body.name: lump.body.name for lump in lumps for body, _ in lump.members}
-    above = {lump.body.name: holders.get(lump.body.parent, "") for lump in lumps}
-    heavy = {""}
+    no engine can simulate these."""
+    lump_by_body = {body.name: lump.body.name for lump in lumps for body, _ in lump.members}
+    parents = {lump.body.name: lump_by_body.get(lump.body.parent, "") for lump in lumps}
+    # "" stands for the world, at which each walk towards the root ends.
+    carrying_mass = {""}
     for lump in lumps:
         name = lump.body.name if lump.mass else ""
-        while name not in heavy:
-            heavy.add(name)
-            name = above[name]
+        while name not in carrying_mass:
+            carrying_mass.add(name)
+            name = parents[name]
     moving = {lump.body.name for lump in lumps if lump.moves}
-    for name in sorted(moving - heavy):
-        if above[name]:
+    for name in sorted(moving - carrying_mass):
+        if parents[name]:
             message = "it moves, and neither it nor what it carries has a mass"
             yield "C-SOLID", Finding(named("link", name), "inertial", message)
 
 
-def _misplaced(lump: Lump) -> Iterator[tuple[bool, Finding]]:
-    """Yields colliders that are far from the visual shapes, or many times their size, each with whether it is
-    certainly wrong."""
+def _misplaced_colliders(lump: Lump) -> Iterator[tuple[bool, Finding]]:
+    """Yields (whether the lump's colliders are certainly wrong, finding) for each collider that is far from
+    the visual shapes, or many times their size. Yields nothing without visual shapes, or if a shape cannot be
+    read."""
     shapes = list(lump.shapes)
-    drawn = {shape.group for shape, _ in shapes if shape.seen and not shape.collides}
+    visual_groups = {shape.group for shape, _ in shapes if shape.seen and not shape.collides}
     # A collider that is drawn together with purely visual shapes belongs to the picture.
-    drawn_shapes = [(shape, points) for shape, points in shapes if shape.seen and shape.group in drawn]
-    seen = _form(drawn_shapes)
-    if seen is None or not all(body.whole for body, _ in lump.members):
+    visuals = [(shape, points) for shape, points in shapes if shape.seen and shape.group in visual_groups]
+    visual_points = _visual_points(visuals)
+    if visual_points is None or not all(body.whole for body, _ in lump.members):
         return
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    low, high = visual_points.min(axis=0), visual_points.max(axis=0)
     name, size = lump.body.name, float(np.linalg.norm(high - low))
-    solid = [
+    colliders = [
         (shape, points)
         for shape, points in shapes
-        if shape.collides and not (shape.seen and shape.group in drawn)
+        if shape.collides and not (shape.seen and shape.group in visual_groups)
     ]
-    elsewhere = (
-        _surface_distance([points for _, points in solid], seen)
+    is_certain = (
+        _surface_distance([points for _, points in colliders], visual_points)
         > (MIN_WRONG_DISTANCE + MIN_DOUBTFUL_DISTANCE) * size
     )
-    for shape, points in solid:
+    for shape, points in colliders:
         gap = np.maximum(0.0, np.maximum(low - points.max(axis=0), points.min(axis=0) - high))
         distance = float(np.linalg.norm(gap))
         if distance > MIN_DOUBTFUL_DISTANCE * size:
             message = (
                 f'a collider of "{name}" is {distance:.3g} m beside the visual shapes, {size:.2g} m wide'
             )
-            yield elsewhere, Finding(*shape.placed_by, message)
+            yield is_certain, Finding(*shape.placed_by, message)
         elif shape.extent > MIN_DOUBTFUL_WIDTH * size > 0.0:
             message = f'a collider of "{name}" is {shape.extent:.3g} m wide, the visual shapes {size:.2g} m'
-            yield elsewhere, Finding(shape.element, shape.attribute, message)
+            yield is_certain, Finding(shape.element, shape.attribute, message)
 
 
-def _surface_distance(solid: Sequence[Array], seen: Array) -> float:
-    """Returns the distance [m] by which colliders reach beyond the visual shapes, or leave them uncovered.
-    `solid`: the points (n, 3) of each collider; `seen`: the points (m, 3) of the visual shapes."""
+def _surface_distance(colliders: Sequence[Array], visual_points: Array) -> float:
+    """Returns the distance [m] by which colliders reach beyond the visual shapes, or by which points of the
+    visual shapes are outside every collider, whichever is larger. `colliders`: the points (n, 3) of each
+    collider; `visual_points` (m, 3)."""
     axes = measured_directions()
-    along = seen @ axes.T
-    ends = [((points @ axes.T).max(axis=0), (points @ axes.T).min(axis=0)) for points in solid]
+    along = visual_points @ axes.T
+    ends = [((points @ axes.T).max(axis=0), (points @ axes.T).min(axis=0)) for points in colliders]
     beyond = max(
         (max((high - along.max(axis=0)).max(), (along.min(axis=0) - low).max()) for high, low in ends),
         default=0.0,
     )
     outside = [np.maximum(along - high, low - along).max(axis=1) for high, low in ends]
-    bare = np.min(outside, axis=0).max() if outside else 0.0
-    return float(max(beyond, bare))
+    uncovered = np.min(outside, axis=0).max() if outside else 0.0
+    return float(max(beyond, uncovered))
 
 
-def _form(drawn_shapes: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
-    """Returns the points (n, 3) of the drawn shapes. Returns None without shapes, or if they are a mere mark:
-    many files have a box or a ball of a few millimetres for a link without a mesh."""
-    if all(not shape.mesh and shape.extent < MAX_MARKER_SIZE for shape, _ in drawn_shapes):
+def _visual_points(visuals: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
+    """Returns the points (n, 3) of the visual shapes. Returns None without shapes, or if they only mark a
+    place: many files have a box or a ball of a few millimetres for a link without a mesh."""
+    if all(not shape.mesh and shape.extent < MAX_MARKER_SIZE for shape, _ in visuals):
         return None
-    return np.concatenate([points for _, points in drawn_shapes])
+    return np.concatenate([points for _, points in visuals])
 
 
-def neighbours(lumps: Sequence[Lump]) -> Iterator[Finding]:
-    """Yields lumps whose mass differs too much from the mass of the lump that they move on."""
-    holders = {body.name: lump for lump in lumps for body, _ in lump.members}
+def mass_ratio_findings(lumps: Sequence[Lump]) -> Iterator[Finding]:
+    """Yields a finding for each lump whose mass differs too much from that of the lump that it moves on."""
+    lump_by_body = {body.name: lump for lump in lumps for body, _ in lump.members}
     for lump in lumps:
-        above = _above(lump, holders)
-        if above is None or not lump.mass > MAX_DUMMY_MASS < above.mass:
+        support = _supporting_lump(lump, lump_by_body)
+        if support is None or min(lump.mass, support.mass) <= MAX_DUMMY_MASS:
             continue
-        ratio = max(lump.mass / above.mass, above.mass / lump.mass)
+        ratio = max(lump.mass / support.mass, support.mass / lump.mass)
         if ratio > MAX_MASS_RATIO:
             message = (
-                f'{lump.mass:g} kg beside the {above.mass:g} kg of "{above.body.name}", {ratio:.2g} to 1'
+                f'{lump.mass:g} kg beside the {support.mass:g} kg of "{support.body.name}", {ratio:.2g} to 1'
             )
             yield Finding(*lump.body.places["mass"], message)
 
 
-def _above(lump: Lump, holders: Mapping[str, Lump]) -> Lump | None:
-    """Returns the lump that a lump moves on; None if that is the world."""
-    above = holders.get(lump.body.parent)
-    return above if lump.moves and above is not None and above.moves else None
+def _supporting_lump(lump: Lump, lump_by_body: Mapping[str, Lump]) -> Lump | None:
+    """Returns the lump that a lump moves on; None if the lump cannot move, or moves on the world or on a lump
+    that cannot move."""
+    support = lump_by_body.get(lump.body.parent)
+    return support if lump.moves and support is not None and support.moves else None

@@ -12,7 +12,8 @@ from linkwright.stages.robot.model.robot import Array, Inertial
 from linkwright.stages.validate.model.body_shapes import extents_of
 from linkwright.stages.validate.model.inertials import Quantity, ShapedInertial
 
-CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+UNIT_CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+"""The corners (8, 3) of the cube from -1 to 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +49,7 @@ class ShapeFigures:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WeighedBody:
+class BareBody:
     """A body with its mass and its shapes."""
 
     name: str
@@ -66,7 +67,7 @@ class WeighedBody:
 
     shapes: tuple[ShapeFigures, ...]
     whole: bool
-    """Whether all shapes could be read."""
+    """Whether all shapes of the file could be read."""
 
     places: Mapping[Quantity, tuple[str, str]]
     """The element and the attribute that give each quantity."""
@@ -76,14 +77,14 @@ class WeighedBody:
 class Lump:
     """A body with all bodies that are fixed to it. A body that is fixed to the world is a separate lump."""
 
-    members: tuple[tuple[WeighedBody, Array], ...]
+    members: tuple[tuple[BareBody, Array], ...]
     """The bodies with their poses lump_from_body (4, 4), the lump's main body first."""
 
     moves: bool
     """Whether the lump can move."""
 
     @property
-    def body(self) -> WeighedBody:
+    def body(self) -> BareBody:
         return self.members[0][0]
 
     @property
@@ -102,8 +103,8 @@ class Lump:
 
     @property
     def inertial(self) -> ShapedInertial | None:
-        """Returns the inertial with the shapes. Returns None without shapes, with unreadable shapes, or with
-        infinite numbers."""
+        """Returns the inertial with the shapes. Returns None without shapes, if a shape cannot be read, or if
+        a number is not finite."""
         points = [points for _, points in self.shapes]
         parts = [(body, moved(body.inertial, pose)) for body, pose in self.members]
         total = merged([inertial for _, inertial in parts])
@@ -121,11 +122,14 @@ class Lump:
 
 
 def _contributors(
-    parts: Sequence[tuple[WeighedBody, Inertial]], whole: Inertial
+    parts: Sequence[tuple[BareBody, Inertial]], whole: Inertial
 ) -> dict[Quantity, tuple[str, str]]:
-    """Maps each quantity to the place in the file of the part that contributes most to it."""
+    """Maps each quantity to the place in the file of the part that contributes most to it. `parts`: the
+    members, with their inertials in the lump's frame; `whole`: the inertial of all."""
 
     def share(quantity: Quantity, part: Inertial) -> float:
+        """Returns the part's share: of the trace of the inertia [kg m²], of the shift of the centre of mass
+        [kg m], or of the mass [kg]."""
         arm = float(np.linalg.norm(part.com - whole.com))
         if quantity == "inertia":
             return float(np.trace(part.inertia)) + 2.0 * part.mass * arm**2
@@ -138,10 +142,10 @@ def _contributors(
     }
 
 
-def lumps(bodies: Sequence[WeighedBody]) -> list[Lump]:
-    """Groups the bodies that are fixed together, in their order."""
+def grouped_lumps(bodies: Sequence[BareBody]) -> list[Lump]:
+    """Returns the lumps of bodies that are fixed together, in the order of the bodies."""
     by_name = {body.name: body for body in bodies}
-    groups: dict[str, list[WeighedBody]] = {}
+    groups: dict[str, list[BareBody]] = {}
     moves = {}
     for body in bodies:
         holder, held = _holder(body, by_name)
@@ -161,7 +165,7 @@ def lumps(bodies: Sequence[WeighedBody]) -> list[Lump]:
     ]
 
 
-def _holder(body: WeighedBody, by_name: Mapping[str, WeighedBody]) -> tuple[WeighedBody, bool]:
+def _holder(body: BareBody, by_name: Mapping[str, BareBody]) -> tuple[BareBody, bool]:
     """Follows fixed joints upwards from `body`. Returns the last body, which is `body` itself if it can move,
     and whether it is fixed to the world."""
     visited = {body.name}
@@ -172,13 +176,15 @@ def _holder(body: WeighedBody, by_name: Mapping[str, WeighedBody]) -> tuple[Weig
 
 
 def box_corners(centre: Array, half: Array, body_from_shape: Array) -> Array:
-    """Returns the corners (8, 3) of a box, in the body's frame."""
-    local = centre + CORNERS * half
+    """Returns the corners (8, 3) [m] of a box, in the body's frame. `centre` (3,) and `half` (3,), half the
+    sides, are in the shape's frame."""
+    local = centre + UNIT_CORNERS * half
     corners: Array = local @ body_from_shape[:3, :3].T + body_from_shape[:3, 3]
     return corners
 
 
-def reach(bodies: Iterable[WeighedBody]) -> float:
-    """Returns the diagonal [m] of the box around the origins of the bodies: 0 for a single body."""
+def origin_span(bodies: Iterable[BareBody]) -> float:
+    """Returns the diagonal [m] of the box around the origins of the bodies; 0 for a single body and without
+    bodies."""
     origins = np.array([body.world_from_body[:3, 3] for body in bodies]).reshape(-1, 3)
     return float(np.linalg.norm(np.ptp(origins, axis=0))) if len(origins) else 0.0

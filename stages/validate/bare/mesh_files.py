@@ -14,11 +14,12 @@ from linkwright.stages.robot.errors import LinkwrightError
 from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.model.body_shapes import MAX_VERTICES, outermost_of
 
-_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
+_STL_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
 
 
 def outermost_points(path: Path) -> Array | None:
-    """Returns the outermost points (n, 3) of a mesh, in the unit of its file; None if it cannot be read."""
+    """Returns the outermost points (n, 3) of a mesh, in the unit of its file; None if the file is missing,
+    cannot be read, or has no point with finite coordinates."""
     read = _READERS.get(path.suffix.lower())
     if read is None or not path.is_file():
         return None
@@ -31,8 +32,9 @@ def outermost_points(path: Path) -> Array | None:
 
 
 def _stl(data: bytes) -> Array:
+    # A binary STL may begin with "solid", too, but its header has no facet.
     if data.lstrip().startswith(b"solid") and b"facet" in data[:2000]:
-        return np.array(_VERTEX.findall(data), dtype=np.float64).reshape(-1, 3)
+        return np.array(_STL_VERTEX.findall(data), dtype=np.float64).reshape(-1, 3)
     return mesh_points("a.stl", data)
 
 
@@ -51,3 +53,4 @@ _READERS: Mapping[str, Callable[[bytes], Array]] = {
     ".glb": _gltf,
     ".gltf": _gltf,
 }
+"""Ending of a mesh file, in lower case → the function that returns its points (n, 3)."""

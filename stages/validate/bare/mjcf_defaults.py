@@ -20,18 +20,21 @@ class Defaults:
             self._read(default, {}, "main")
 
     def attributes(self, element: Element) -> Mapping[str, str]:
-        """Returns the attributes of an element, which override those of its class."""
+        """Returns the attributes of an element: its own, and for the others the defaults of its class."""
         name = element.get("class") or self._childclass(element) or "main"
         by_tag = self._by_class.get(name) or self._by_class.get("main", {})
         return {**by_tag.get(_default_tag(element), {}), **element.attrib}
 
     def _childclass(self, element: Element) -> str:
+        """Returns the class that the nearest enclosing body gives to its elements; "" without such a body."""
         for above in element.iterancestors():
             if above.get("childclass"):
                 return str(above.get("childclass"))
         return ""
 
     def _read(self, default: Element, above: dict[str, dict[str, str]], fallback: str) -> None:
+        """Reads a <default> and those in it. `above`: the defaults of the enclosing class, by tag;
+        `fallback`: the name of a class that has none."""
         name = default.get("class") or fallback
         by_tag = {tag: dict(values) for tag, values in self._by_class.get(name, above).items()}
         for child in default:

@@ -7,7 +7,7 @@ import numpy as np
 
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Inertial
-from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody
+from linkwright.stages.validate.bare.figures import BareBody, ShapeFigures
 from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.body_shapes import geom_points, outermost_of
 from linkwright.stages.validate.model.poses import rotation
@@ -16,9 +16,9 @@ _FIRST_HIDDEN_GROUP = 3
 """Number of the first group of geoms that MuJoCo's viewer does not draw by default."""
 
 
-def figures(model: Any) -> list[WeighedBody]:
-    """Returns every body except the world, in the order of the model. The shape of a body with a skin is not
-    known."""
+def figures(model: Any) -> list[BareBody]:
+    """Returns every body except the world, in the order of the model. A body with a skin counts as one whose
+    shapes could not all be read."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     return [_body(model, data, body) for body in range(1, model.nbody)]
@@ -29,7 +29,7 @@ def body_name(model: Any, body: int) -> str:
     return str(model.body(body).name) or f"number {body}"
 
 
-def _body(model: Any, data: Any, body: int) -> WeighedBody:
+def _body(model: Any, data: Any, body: int) -> BareBody:
     name = body_name(model, body)
     turn = rotation(model.body_iquat[body])
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
@@ -38,7 +38,7 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
     shapes = (_shape(model, geom, name) for geom in geoms)
     parent = int(model.body_parentid[body])
     at = f'inertial of body "{name}"'
-    return WeighedBody(
+    return BareBody(
         name,
         body_name(model, parent) if parent else "",
         not model.body_jntnum[body],
@@ -56,7 +56,7 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
 
 
 def _shape(model: Any, geom: int, body: str) -> ShapeFigures | None:
-    """Returns a geom as a shape; None for a plane or a height field, which are infinite."""
+    """Returns a geom as a shape; None for a plane or a height field, which has no outermost points."""
     points = geom_points(model, geom)
     if not len(points):
         return None

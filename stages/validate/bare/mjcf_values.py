@@ -7,12 +7,13 @@ import numpy as np
 
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
-from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
+from linkwright.stages.validate.bare.judged import inertia_faults, looks_like_degrees, mass_faults
 from linkwright.stages.validate.bare.mjcf_defaults import Defaults
 from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-_RESISTANCES = ("damping", "frictionloss", "armature", "stiffness")
+_RESISTANCE_ATTRIBUTES = ("damping", "frictionloss", "armature", "stiffness")
+"""Attributes of a joint that must not be negative."""
 
 
 def check(document: ModelDocument) -> Iterator[CodedFinding]:
@@ -31,7 +32,7 @@ def check(document: ModelDocument) -> Iterator[CodedFinding]:
                 yield from _geom(document, element, attributes)
         elif element.getparent() is not None and element.getparent().tag == "actuator":
             yield from _actuator(document, element, defaults.attributes(element))
-    yield from _radians(document, defaults, degrees)
+    yield from _radian_ranges(document, defaults, degrees)
 
 
 def degrees_of(document: ModelDocument) -> bool:
@@ -44,7 +45,7 @@ def degrees_of(document: ModelDocument) -> bool:
 
 def _orientation(document: ModelDocument, element: Element) -> Iterator[CodedFinding]:
     quat = parse_numbers(element.get("quat"))
-    # MuJoCo normalizes it.
+    # A quaternion of any other length is right: MuJoCo normalizes it.
     if quat is not None and len(quat) == 4 and math.hypot(*quat) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "quat", "its length is 0: it is no rotation")
 
@@ -56,7 +57,7 @@ def _joint(
     axis = parse_numbers(attributes.get("axis"))
     if kind in ("hinge", "slide") and axis is not None and len(axis) == 3 and math.hypot(*axis) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "axis", "its length is 0: it has no direction")
-    for name in _RESISTANCES:
+    for name in _RESISTANCE_ATTRIBUTES:
         value = parse_numbers(attributes.get(name))
         if value is not None and value[0] < 0:
             message = f"{value[0]:g} is negative: it would push the joint"
@@ -64,7 +65,7 @@ def _joint(
     for name in ("range", "actuatorfrcrange"):
         yield from _range_order(document, element, attributes, name)
     ends = parse_numbers(attributes.get("range")) or []
-    if kind == "hinge" and not degrees and any(in_degrees(end) for end in ends):
+    if kind == "hinge" and not degrees and any(looks_like_degrees(end) for end in ends):
         message = f"{attributes['range']} rad: is it in degrees?"
         yield "C-PLAUSIBLE", document.finding(element, "range", message)
 
@@ -83,18 +84,19 @@ def _inertial(document: ModelDocument, element: Element) -> Iterator[CodedFindin
     mass, body = parse_number(element.get("mass")), element.getparent()
     moves = body is not None and any(child.tag in ("joint", "freejoint") for child in body)
     if mass is not None:
-        for message in wrong_mass(mass, moves):
+        for message in mass_faults(mass, moves):
             yield "C-SOLID", document.finding(element, "mass", message)
     diagonal, full = parse_numbers(element.get("diaginertia")), parse_numbers(element.get("fullinertia"))
-    point = not moves or (mass is not None and 0 <= mass <= MAX_DUMMY_MASS)
-    if point and not any([*(diagonal or []), *(full or [])]):
+    # A body that never moves, or that only stands for a frame, may have no inertia.
+    may_be_massless = not moves or (mass is not None and 0 <= mass <= MAX_DUMMY_MASS)
+    if may_be_massless and not any([*(diagonal or []), *(full or [])]):
         return
     if diagonal is not None and len(diagonal) == 3:
-        for _, message in wrong_inertia(np.diag(diagonal)):
+        for _, message in inertia_faults(np.diag(diagonal)):
             yield "C-SOLID", document.finding(element, "diaginertia", message)
     if full is not None and len(full) == 6:
         xx, yy, zz, xy, xz, yz = full
-        for _, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
+        for _, message in inertia_faults(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
             yield "C-SOLID", document.finding(element, "fullinertia", message)
 
 
@@ -117,18 +119,18 @@ def _actuator(
         value = parse_number(attributes.get(name))
         if value is not None and (value < 0 or (name == "kp" and value == 0)):
             yield "C-LIMIT", document.finding(element, name, f"{value:g}: a gain is above zero")
-    if element.tag in ("position", "motor", "velocity") and not _ranged(attributes):
+    if element.tag in ("position", "motor", "velocity") and not _has_control_range(attributes):
         message = "it has no range: a control may be anything"
         yield "C-PLAUSIBLE", document.finding(element, "ctrlrange", message)
 
 
-def _ranged(attributes: Mapping[str, str]) -> bool:
+def _has_control_range(attributes: Mapping[str, str]) -> bool:
     return "ctrlrange" in attributes or parse_number(attributes.get("inheritrange", "0")) not in (0.0, None)
 
 
-def _radians(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[CodedFinding]:
-    """Reports ranges that seem to be in radians although the compiler reads degrees: there are several, and
-    all are within one turn."""
+def _radian_ranges(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[CodedFinding]:
+    """Yields a finding if the ranges of hinges seem to be in radians although the compiler reads degrees: all
+    are within ±2π."""
     hinges = []
     for element in document.root.iterfind("worldbody//joint"):
         attributes = defaults.attributes(element)

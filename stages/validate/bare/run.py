@@ -1,13 +1,12 @@
 """Runs the checks of a bare file."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from linkwright.stages.robot.check import Check
+from linkwright.stages.robot.check import Check, Finding
 from linkwright.stages.validate.bare import (
     ENDINGS,
-    bodies,
     mesh_units,
     mjcf_figures,
     mjcf_keys,
@@ -16,8 +15,14 @@ from linkwright.stages.validate.bare import (
     urdf_tree,
     urdf_values,
 )
-from linkwright.stages.validate.bare.bodies import weightless
-from linkwright.stages.validate.bare.figures import Lump, WeighedBody, lumps
+from linkwright.stages.validate.bare.bodies import (
+    MAX_MASS_RATIO,
+    collider_findings,
+    lump_inertials,
+    mass_ratio_findings,
+    massless_findings,
+)
+from linkwright.stages.validate.bare.figures import BareBody, Lump, grouped_lumps
 from linkwright.stages.validate.bare.findings import BARE_CHECKS, CodedFinding
 from linkwright.stages.validate.bare.start import compile_and_simulate
 from linkwright.stages.validate.bare.urdf_against_mjcf import CompiledDocument, check_together
@@ -43,7 +48,7 @@ def check_bare(path: Path) -> tuple[Check, ...]:
 
 
 def _check_file(path: Path, compiled: list[CompiledDocument]) -> Iterator[Check]:
-    """Checks a file, whose model is added to `compiled`."""
+    """Checks a file. Adds its document and its model to `compiled`, if it compiles."""
     document, check = read_checked(path)
     yield check
     if document is None or document.language is None:
@@ -53,54 +58,55 @@ def _check_file(path: Path, compiled: list[CompiledDocument]) -> Iterator[Check]
     trial = compile_and_simulate(document)
     if trial.model is not None:
         compiled.append(CompiledDocument(document, trial.model))
-    bodies = _bodies(document, trial.model)
-    grouped = lumps(bodies)
-    yield from _coded(document, bodies, grouped)
-    yield from _weighed(document.path, grouped)
+    bodies = _body_figures(document, trial.model)
+    lumps = grouped_lumps(bodies)
+    yield from _bare_checks(document, bodies, lumps)
+    yield from _body_checks(document.path, lumps)
     yield from trial.checks
 
 
-def _bodies(document: ModelDocument, model: object) -> list[WeighedBody]:
-    """Returns the bodies; none for an MJCF that does not compile."""
+def _body_figures(document: ModelDocument, model: object) -> list[BareBody]:
+    """Returns the bodies of a file; an empty list for an MJCF that does not compile."""
     if document.language == "urdf":
         return urdf_figures.figures(document)
     return [] if model is None else mjcf_figures.figures(model)
 
 
-def _weighed(path: Path, grouped: Sequence[Lump]) -> Iterator[Check]:
-    """Checks bodies, each with the bodies that are fixed to it, under the codes of a build."""
-    yield from inertials.checks(path.name, bodies.inertials(grouped))
-    level, findings = bodies.colliders(grouped)
+def _body_checks(path: Path, lumps: Sequence[Lump]) -> Iterator[Check]:
+    """Checks bodies, each with the bodies that are fixed to it. The codes are those of a build."""
+    yield from inertials.checks(path.name, lump_inertials(lumps))
+    level, findings = collider_findings(lumps)
     passed = "the colliders are where the visual shapes are"
     yield check_of(path, "colliders", "C-COLLIDER", level, findings, passed)
-    passed = f"neighbours' masses differ by less than {bodies.MAX_MASS_RATIO:g} to 1"
-    yield check_of(path, "mass ratio", "C-MASS-RATIO", "warning", bodies.neighbours(grouped), passed)
+    passed = f"neighbours' masses differ by less than {MAX_MASS_RATIO:g} to 1"
+    yield check_of(path, "mass ratio", "C-MASS-RATIO", "warning", mass_ratio_findings(lumps), passed)
 
 
-def _coded(
-    document: ModelDocument, bodies: Sequence[WeighedBody], grouped: "Sequence[Lump]"
+def _bare_checks(
+    document: ModelDocument, bodies: Sequence[BareBody], lumps: Sequence[Lump]
 ) -> Iterator[Check]:
-    """Checks the text and the figures; each check may have several findings."""
-    by_code: dict[str, list] = {code: [] for code in BARE_CHECKS}  # type: ignore[type-arg]
-    for code, finding in _findings(document, bodies, grouped):
-        by_code[code].append(finding)
-    for code, findings in by_code.items():
+    """Yields a result for each entry of `BARE_CHECKS` that applies to the file's language."""
+    findings_by_code: dict[str, list[Finding]] = {code: [] for code in BARE_CHECKS}
+    for code, finding in _findings(document, bodies, lumps):
+        findings_by_code[code].append(finding)
+    for code, findings in findings_by_code.items():
         if _applies(code, document.language == "urdf"):
             check = BARE_CHECKS[code]
             yield check_of(document.path, check.name, code, check.level, findings, check.passed_text)
 
 
 def _applies(code: str, urdf: bool) -> bool:
+    """Tells whether a check applies to a URDF (`urdf`), or to an MJCF."""
     return code not in (("C-KEYS",) if urdf else ("C-TREE", "C-MIMIC"))
 
 
 def _findings(
-    document: ModelDocument, bodies: Sequence[WeighedBody], grouped: "Sequence[Lump]"
-) -> Iterable[CodedFinding]:
+    document: ModelDocument, bodies: Sequence[BareBody], lumps: Sequence[Lump]
+) -> Iterator[CodedFinding]:
     if document.language == "urdf":
         yield from urdf_tree.check(document)
         yield from urdf_values.check(document)
-        yield from weightless(grouped)
+        yield from massless_findings(lumps)
     else:
         yield from mjcf_values.check(document)
         yield from mjcf_keys.check(document)

@@ -1,5 +1,5 @@
-"""Simulates a bare file in MuJoCo: whether it compiles, how it starts, and whether it stays finite for a
-second."""
+"""Compiles and simulates a bare file in MuJoCo: checks that it compiles, starts without overlaps and open
+loops, and stays finite for a second."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,11 +27,12 @@ from linkwright.stages.validate.reading.documents import ModelDocument
 from linkwright.stages.validate.simulate.running import MAX_START_DEPTH, Touching, touching
 
 CONTACT_MEMORY = 128 << 20
-"""Memory [bytes] for contacts in the trial, if a file reserves more, or sets njmax or nconmax, as old files
-do."""
+"""Memory [bytes] for contacts in the trial of a file that reserves more, or that sets njmax or nconmax as old
+files do."""
 
 MAX_ROWS, MAX_MEMORY = 100_000, 64 << 30
-"""Largest number of rows of contacts, and largest memory [bytes], that the file of a robot may reserve."""
+"""Largest njmax or nconmax, and largest memory [bytes], of a file that is simulated with `CONTACT_MEMORY`
+instead."""
 
 LOOP_TOLERANCE = 1e-3
 """Largest error [m, rad] of a loop at the start. Files have few digits, but with a larger error the loop
@@ -40,7 +41,7 @@ jumps when it is simulated."""
 SECONDS = 1.0
 """Length of the trial [s]."""
 
-_READ_BY_MUJOCO = (".stl", ".obj", ".msh")
+_MUJOCO_MESH_ENDINGS = (".stl", ".obj", ".msh")
 """Extensions of mesh files that MuJoCo reads."""
 
 MAX_TRIANGLES = 200_000
@@ -73,7 +74,7 @@ def compile_and_simulate(document: ModelDocument) -> TrialResult:
     texts = sorted(set(warnings))
     detail, number = "; ".join(texts) or "no warnings", float(len(texts))
     checks = [Check(f"{name}: compiles", not texts, detail, number, 0.0, "C-COMPILE", "warning")]
-    checks += _simulated(document, model) if model.nv else []
+    checks += _simulation_checks(document, model) if model.nv else []
     return TrialResult(model, tuple(checks))
 
 
@@ -109,7 +110,7 @@ def _urdf_spec(document: ModelDocument) -> Any:
 def _is_readable(mesh: Path) -> bool:
     """Tells whether MuJoCo reads a mesh: a binary STL of at most 200,000 triangles, an OBJ or an MSH."""
     if mesh.suffix.lower() != ".stl":
-        return mesh.suffix.lower() in _READ_BY_MUJOCO
+        return mesh.suffix.lower() in _MUJOCO_MESH_ENDINGS
     with mesh.open("rb") as file:
         head = file.read(STL_HEADER + 4)
     size = mesh.stat().st_size - len(head)
@@ -117,7 +118,7 @@ def _is_readable(mesh: Path) -> bool:
     return triangle_count <= MAX_TRIANGLES and size >= triangle_count * STL_FACE.itemsize
 
 
-def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
+def _simulation_checks(document: ModelDocument, model: Any) -> Iterator[Check]:
     """Yields the results of the start (of an MJCF) and of the trial run."""
     name, urdf = document.path.name, document.language == "urdf"
     level: CheckLevel = "warning" if urdf else "error"
@@ -127,7 +128,7 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
     # A URDF says neither which links may touch nor where it starts.
     if not urdf:
         yield from _start_checks(name, model, data)
-    trial = trial_run(model, SECONDS, np.inf, _within_limits(model) if urdf else None)
+    trial = trial_run(model, SECONDS, np.inf, _pose_within_limits(model) if urdf else None)
     detail = f"simulated for {trial.time:.3g} s without a warning"
     findings: tuple[Finding, ...] = ()
     if trial.failed:
@@ -136,7 +137,7 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
     yield Check(f"{name}: trial run", not trial.failed, detail, None, None, "C-TRIAL", level, findings)
 
 
-def _within_limits(model: Any) -> Array:
+def _pose_within_limits(model: Any) -> Array:
     """Returns the positions of a URDF's joints: each as near to zero as its limits allow, and each follower
     where its driver puts it."""
     qpos: Array = model.qpos0.copy()
@@ -157,19 +158,19 @@ def _start_checks(name: str, model: Any, data: Any) -> Iterator[Check]:
     number = float(len(deep_contacts))
     if deep_contacts:
         pairs = f"{count(len(deep_contacts), 'pair')} deeper than {1000 * MAX_START_DEPTH:g} mm"
-        detail = f"{pairs}: {_sentence(deep_contacts[0])}"
+        detail = f"{pairs}: {_finding_text(deep_contacts[0])}"
     yield Check(f"{name}: start", not deep_contacts, detail, number, 0.0, "C-START", "warning", deep_contacts)
     if model.neq:
         open_equalities = tuple(_open_equalities(model, data))
         detail = f"every loop and relation is closed to {LOOP_TOLERANCE:g} m or rad at the start"
-        detail = _sentence(open_equalities[0]) if open_equalities else detail
+        detail = _finding_text(open_equalities[0]) if open_equalities else detail
         number = float(len(open_equalities))
         yield Check(
             f"{name}: closed", not open_equalities, detail, number, 0.0, "C-CLOSED", "error", open_equalities
         )
 
 
-def _sentence(finding: Finding) -> str:
+def _finding_text(finding: Finding) -> str:
     return f"{finding.element}: {finding.message}"
 
 
@@ -177,7 +178,9 @@ def _deep_contacts(model: Any, data: Any) -> Iterator[Finding]:
     """Yields the contacts that are too deep at the start."""
     for contact in touching(model, data):
         if contact.depth > MAX_START_DEPTH:
-            message = f"it is {1000 * contact.depth:.2g} mm inside {_inside(model, contact)} at the start"
+            message = (
+                f"it is {1000 * contact.depth:.2g} mm inside {_title_of_other(model, contact)} at the start"
+            )
             message += _carrier_hint(model, contact)
             yield Finding(named("body", body_name(model, contact.body)), "pos", message)
 
@@ -200,7 +203,7 @@ def _carriers(model: Any, body: int) -> Iterator[int]:
         above = 0 if model.body_jntnum[above] else int(model.body_parentid[above])
 
 
-def _inside(model: Any, contact: Touching) -> str:
+def _title_of_other(model: Any, contact: Touching) -> str:
     """Returns the name of the other body of a contact, or of the world's geom if it has a name."""
     if contact.other:
         return f'"{body_name(model, contact.other)}"'

@@ -8,47 +8,49 @@ import numpy as np
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Array, Inertial
-from linkwright.stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
+from linkwright.stages.validate.bare.figures import BareBody, ShapeFigures, box_corners
 from linkwright.stages.validate.bare.findings import parse_number, parse_numbers
 from linkwright.stages.validate.bare.mesh_files import outermost_points
 from linkwright.stages.validate.reading.asset_files import referenced_files
 from linkwright.stages.validate.reading.documents import ModelDocument, title_of
 
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_INERTIA_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def figures(document: ModelDocument) -> list[WeighedBody]:
-    """Returns every link, in the order of the file. Meshes that cannot be read are left out."""
-    joints = {_end(joint, "child"): joint for joint in document.root.iterfind("joint")}
+def figures(document: ModelDocument) -> list[BareBody]:
+    """Returns every link, in the order of the file. Shapes that cannot be read are left out."""
+    joints = {_link_at(joint, "child"): joint for joint in document.root.iterfind("joint")}
     meshes: dict[Path, Array | None] = {}
-    places = {file.element: file.path for file in referenced_files(document)}
+    mesh_paths = {file.element: file.path for file in referenced_files(document)}
     bodies = []
     for link in document.root.iterfind("link"):
         name = link.get("name", "")
-        shapes = [_shape(visual, places, meshes) for visual in link.iterchildren("visual", "collision")]
+        shapes = [_shape(element, mesh_paths, meshes) for element in link.iterchildren("visual", "collision")]
         above = joints.get(name)
-        parent = "" if above is None else _end(above, "parent")
+        parent = "" if above is None else _link_at(above, "parent")
         fixed = name == "world" if above is None else above.get("type") == "fixed"
-        bodies.append(_body(link, parent, fixed, _world(name, joints), shapes))
+        bodies.append(_body(link, parent, fixed, _root_from_link(name, joints), shapes))
     return bodies
 
 
-def _end(joint: Element, role: str) -> str:
+def _link_at(joint: Element, role: str) -> str:
+    """Returns the name of a joint's parent or child link (`role`); "" if it is missing."""
     end = joint.find(role)
     return "" if end is None else str(end.get("link", ""))
 
 
-def _world(name: str, joints: dict[str, Element]) -> Array:
+def _root_from_link(name: str, joints: dict[str, Element]) -> Array:
     """Returns the pose (4, 4) of a link in the root's frame, with all joints at zero."""
     pose, visited = np.eye(4), set()
     while name in joints and name not in visited:
         visited.add(name)
         pose = _pose(joints[name]) @ pose
-        name = _end(joints[name], "parent")
+        name = _link_at(joints[name], "parent")
     return pose
 
 
 def _pose(element: Element) -> Array:
+    """Returns the pose (4, 4) of an element's <origin>; the identity if it is missing or not finite."""
     origin = element.find("origin")
     xyz, rpy = [0.0] * 3, [0.0] * 3
     if origin is not None:
@@ -60,10 +62,10 @@ def _pose(element: Element) -> Array:
 
 def _body(
     link: Element, parent: str, fixed: bool, world: Array, shapes: Sequence[ShapeFigures | None]
-) -> WeighedBody:
+) -> BareBody:
     title = title_of(link)
     read = tuple(shape for shape in shapes if shape is not None)
-    return WeighedBody(
+    return BareBody(
         link.get("name", ""),
         parent,
         fixed,
@@ -89,7 +91,9 @@ def _inertial(inertial: Element | None) -> Inertial:
         mass = (parse_number(weight.get("value")) if weight is not None else 0.0) or 0.0
         com = pose[:3, 3]
         values = (
-            [parse_number(tensor.get(name)) or 0.0 for name in _MOMENTS] if tensor is not None else [0.0] * 6
+            [parse_number(tensor.get(name)) or 0.0 for name in _INERTIA_ATTRIBUTES]
+            if tensor is not None
+            else [0.0] * 6
         )
         if np.isfinite(values).all():
             xx, xy, xz, yy, yz, zz = values
@@ -98,21 +102,23 @@ def _inertial(inertial: Element | None) -> Inertial:
 
 
 def _shape(
-    visual: Element, places: dict[Element, Path | None], meshes: dict[Path, Array | None]
+    element: Element, mesh_paths: dict[Element, Path | None], meshes: dict[Path, Array | None]
 ) -> ShapeFigures | None:
-    shape = next(visual.iterfind("geometry/*"), None)
+    """Returns the shape of a <visual> or <collision>; None if it cannot be read. `mesh_paths`: <mesh> → its
+    file; `meshes`: the points of the files read so far, to which this one's are added."""
+    shape = next(element.iterfind("geometry/*"), None)
     if shape is None:
         return None
-    pose, collides = _pose(visual), visual.tag == "collision"
+    pose, collides = _pose(element), element.tag == "collision"
     attribute = {"mesh": "scale", "box": "size", "sphere": "radius"}.get(str(shape.tag), "length")
-    place = f"origin of {title_of(visual)}", "xyz"
+    place = f"origin of {title_of(element)}", "xyz"
     if shape.tag != "mesh":
-        half = _half(shape)
+        half = _half_size(shape)
         if half is None:
             return None
         corners = box_corners(np.zeros(3), half, pose)
         return ShapeFigures(corners, collides, not collides, False, title_of(shape), attribute, place)
-    path = places.get(shape)
+    path = mesh_paths.get(shape)
     if path is None:
         return None
     if path not in meshes:
@@ -124,9 +130,11 @@ def _shape(
     return ShapeFigures(placed, collides, not collides, True, title_of(shape), attribute, place)
 
 
-def _half(shape: Element) -> Array | None:
-    values = [parse_numbers(shape.get(name)) or [] for name in ("size", "radius", "length")]
-    size, (radius, length) = values[0], ((value or [0.0])[0] for value in values[1:])
+def _half_size(shape: Element) -> Array | None:
+    """Returns half the sides (3,) [m] of the box around a primitive; None for an unknown shape or a box
+    without three sides. A missing radius or length counts as 0."""
+    size = parse_numbers(shape.get("size")) or []
+    radius, length = ((parse_numbers(shape.get(name)) or [0.0])[0] for name in ("radius", "length"))
     if shape.tag == "box":
         return np.array(size) / 2 if len(size) == 3 else None
     if shape.tag == "sphere":

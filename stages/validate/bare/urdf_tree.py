@@ -8,8 +8,8 @@ from linkwright.stages.validate.reading.documents import ModelDocument
 
 
 def check(document: ModelDocument) -> Iterator[CodedFinding]:
-    """Reports second parents, cycles and second roots, and joints that mimic themselves or a joint that
-    cannot move."""
+    """Yields findings on second parents, cycles and second roots, on joints that follow themselves or a joint
+    without a value, and on fixed, floating and planar joints that follow another."""
     yield from _tree(document)
     yield from _mimics(document)
 
@@ -21,7 +21,7 @@ def _tree(document: ModelDocument) -> Iterator[CodedFinding]:
     names = {link.get("name") for link in links}
     above: dict[str, tuple[str, Element]] = {}
     for joint in document.root.iterfind("joint"):
-        parent, child = _end(joint, "parent"), _end(joint, "child")
+        parent, child = _link_at(joint, "parent"), _link_at(joint, "child")
         if parent not in names or child not in names:
             continue
         if parent == child:
@@ -40,16 +40,19 @@ def _tree(document: ModelDocument) -> Iterator[CodedFinding]:
     roots = [link for link in links if link.get("name") not in above]
     for link in roots[1:]:
         first = roots[0].get("name")
-        message = f'no joint has it as its child, as the root "{first}": a robot has one root'
+        message = f'it is the child of no joint, and neither is "{first}": a robot has one root'
         yield "C-TREE", document.finding(link, "name", message)
 
 
-def _end(joint: Element, role: str) -> str:
+def _link_at(joint: Element, role: str) -> str:
+    """Returns the name of a joint's parent or child link (`role`); "" if it is missing."""
     end = joint.find(role)
     return "" if end is None else str(end.get("link", ""))
 
 
 def _cycles(above: dict[str, tuple[str, Element]]) -> Iterator[list[str]]:
+    """Yields the links of each cycle once, each link followed by its parent. `above`: link → its parent and
+    the joint between them."""
     visited: set[str] = set()
     for start in above:
         path: list[str] = []

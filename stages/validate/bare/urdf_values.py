@@ -7,13 +7,14 @@ import numpy as np
 
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.bare.findings import CodedFinding, parse_number, parse_numbers
-from linkwright.stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
+from linkwright.stages.validate.bare.judged import inertia_faults, looks_like_degrees, mass_faults
 from linkwright.stages.validate.model.inertials import MAX_DUMMY_MASS
 from linkwright.stages.validate.reading.documents import ModelDocument
 
-MOVING = ("revolute", "continuous", "prismatic", "planar")
+MOVING_TYPES = ("revolute", "continuous", "prismatic", "planar")
+"""Types of joints with an axis that they move about or along."""
 
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_INERTIA_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 UNIT_LENGTH_TOLERANCE = 2e-2
 """Tolerance of the length of a unit axis or quaternion: many files have only three digits."""
@@ -22,12 +23,12 @@ UNIT_LENGTH_TOLERANCE = 2e-2
 def check(document: ModelDocument) -> Iterator[CodedFinding]:
     """Judges axes, limits and dynamics of joints; masses and inertias of links."""
     for joint in document.root.iterfind("joint"):
-        if joint.get("type") in MOVING:
+        if joint.get("type") in MOVING_TYPES:
             yield from _axis(document, joint)
             yield from _limit(document, joint)
             yield from _dynamics(document, joint)
     moving = _moving_links(document)
-    yield from _without_inertial(document, moving)
+    yield from _missing_inertials(document, moving)
     for link in document.root.iterfind("link[inertial]"):
         yield from _inertial(document, link.find("inertial"), link.get("name") in moving)
 
@@ -70,7 +71,7 @@ def _limit(document: ModelDocument, joint: Element) -> Iterator[CodedFinding]:
         message = f"the range is empty, {lower:g} to {upper:g}: a {kind} joint that cannot move"
         yield "C-PLAUSIBLE", document.finding(limit, "upper", message)
     for name, value in (("lower", lower), ("upper", upper)):
-        if kind == "revolute" and in_degrees(value):
+        if kind == "revolute" and looks_like_degrees(value):
             yield "C-PLAUSIBLE", document.finding(limit, name, f"{value:g} rad: is it in degrees?")
 
 
@@ -88,12 +89,13 @@ def _moving_links(document: ModelDocument) -> set[str | None]:
     return {
         joint.find("child").get("link")
         for joint in document.root.iterfind("joint[child]")
-        if joint.get("type") in (*MOVING, "floating")
+        if joint.get("type") in (*MOVING_TYPES, "floating")
     }
 
 
-def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -> Iterator[CodedFinding]:
-    """Reports links with shapes, on a moving joint, without mass: readers assume no mass, or 1 kg."""
+def _missing_inertials(document: ModelDocument, moving: Collection[str | None]) -> Iterator[CodedFinding]:
+    """Yields a finding for each link that has colliders, is on a moving joint and has no inertial: some
+    readers assume no mass, others 1 kg."""
     for link in document.root.iterfind("link[collision]"):
         if link.get("name") in moving and link.find("inertial") is None:
             message = "it moves and has shapes, but no <inertial>: readers assume 0 kg or 1 kg"
@@ -103,7 +105,11 @@ def _without_inertial(document: ModelDocument, moving: Collection[str | None]) -
 def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterator[CodedFinding]:
     mass_element, inertia_element = inertial.find("mass"), inertial.find("inertia")
     mass = None if mass_element is None else parse_number(mass_element.get("value"))
-    values = [] if inertia_element is None else [parse_number(inertia_element.get(name)) for name in _MOMENTS]
+    values = (
+        []
+        if inertia_element is None
+        else [parse_number(inertia_element.get(name)) for name in _INERTIA_ATTRIBUTES]
+    )
     moments = [value for value in values if value is not None and math.isfinite(value)]
     # A frame's stand-in, or a link that never moves, may have no mass and no inertia.
     may_be_massless = not moves or (mass is not None and mass <= MAX_DUMMY_MASS)
@@ -112,9 +118,9 @@ def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterat
         missing = "mass" if mass_element is None else "inertia"
         yield "C-SOLID", document.finding(inertial, missing, f"<inertial> has no <{missing}>")
     if mass is not None and not massless:
-        for message in wrong_mass(mass, moves):
+        for message in mass_faults(mass, moves):
             yield "C-SOLID", document.finding(mass_element, "value", message)
     if len(moments) == 6 and not massless and mass != 0:
         xx, xy, xz, yy, yz, zz = moments
-        for name, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
+        for name, message in inertia_faults(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
             yield "C-SOLID", document.finding(inertia_element, name, message)

@@ -10,14 +10,14 @@ from linkwright.stages.mujoco.names import body_index, joint_index
 from linkwright.stages.robot.dynamics.statics import GRAVITY
 from linkwright.stages.robot.model.robot import Array, Robot, Value
 from linkwright.stages.robot.motion.pose_batch import Values
-from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dofs
+from linkwright.stages.validate.dynamics.tree_dynamics import TreeDynamics, scalar_dofs
 from linkwright.stages.validate.model.coordinates import body_from_link, link_pose, root_pose, set_values
 
 
-def in_mujoco(
+def mujoco_dynamics(
     model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
-) -> tuple[Moving, Array]:
-    """Returns MuJoCo's results in the form of `PosedRobot.moving`, and the direction against gravity (n, 3)
+) -> tuple[TreeDynamics, Array]:
+    """Returns MuJoCo's results in the form of `PosedRobot.dynamics`, and the direction against gravity (n, 3)
     in the root's axes, which a scene may turn."""
     saved_options = model.opt.gravity.copy(), int(model.opt.disableflags)
     model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0
@@ -29,7 +29,7 @@ def in_mujoco(
 
 def _read(
     model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
-) -> tuple[Moving, Array]:
+) -> tuple[TreeDynamics, Array]:
     data = mujoco.MjData(model)
     joints = [joint_index(model, dof.name) for dof in scalar_dofs(robot)]
     rows, places = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
@@ -62,7 +62,7 @@ def _read(
         mujoco.mj_rne(model, data, 0, force)
         bias[index] = force[rows] - gravity[index]
     by_link = {link.name: poses[at] for at, link in enumerate(robot.links)}
-    return Moving(by_link, mass, gravity, bias), up
+    return TreeDynamics(by_link, mass, gravity, bias), up
 
 
 def _whole(model: Any, data: Any, rows: Array) -> Array:

@@ -11,17 +11,17 @@ from linkwright.stages.robot.dynamics.statics import GRAVITY
 from linkwright.stages.robot.model.poses import turns_from_rotation
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.motion.pose_batch import Values, rotations_from_quats
-from linkwright.stages.validate.dynamics.tree_dynamics import Moving, scalar_dofs
+from linkwright.stages.validate.dynamics.tree_dynamics import TreeDynamics, scalar_dofs
 
 
-def installed() -> bool:
+def is_pinocchio_installed() -> bool:
     """Tells whether Pinocchio is installed, and not another distribution of that name."""
     if importlib.util.find_spec("pinocchio") is None:
         return False
     return hasattr(importlib.import_module("pinocchio"), "buildModelFromXML")
 
 
-def in_pinocchio(urdf: bytes, robot: Robot, values: Values, speeds: Array) -> Moving:
+def pinocchio_dynamics(urdf: bytes, robot: Robot, values: Values, speeds: Array) -> TreeDynamics:
     """Returns Pinocchio's results in the form of `tree_dynamics.dynamics`, with gravity along the root's z
     axis."""
     pin: Any = importlib.import_module("pinocchio")
@@ -44,7 +44,7 @@ def in_pinocchio(urdf: bytes, robot: Robot, values: Values, speeds: Array) -> Mo
         mass[index] = (upper + np.triu(upper, 1).T)[np.ix_(rows, rows)]
         gravity[index] = pin.computeGeneralizedGravity(model, data, q[index])[rows]
         bias[index] = pin.nonLinearEffects(model, data, q[index], v[index])[rows] - gravity[index]
-    return Moving(poses, mass, gravity, bias)
+    return TreeDynamics(poses, mass, gravity, bias)
 
 
 def _configurations(pin: Any, model: Any, robot: Robot, values: Values) -> Array:

@@ -23,7 +23,7 @@ OPEN_EXTENT = {"turn": math.pi, "slide": 1.0}
 """Extent [rad, m] of a range without limits: to both sides of zero, or from its only limit."""
 
 
-def samples(robot: Robot) -> tuple[dict[str, Array], Array]:
+def poses_and_speeds(robot: Robot) -> tuple[dict[str, Array], Array]:
     """Returns values (n, ...) of every dof of the tree within limits, and speeds (n, k) up to 1 rad/s or m/s
     of its turns and slides. n is `POSES`, or less for a robot with more than 200 links."""
     random = np.random.Generator(np.random.PCG64(SEED))

@@ -17,7 +17,7 @@ MAX_WHOLE_DOFS = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moving:
+class TreeDynamics:
     """The dynamics of k dofs at n poses."""
 
     poses: dict[str, Array]
@@ -38,10 +38,10 @@ def scalar_dofs(robot: Robot) -> list[Dof]:
     return [dof for dof in robot.dofs if dof.kind in ("turn", "slide")]
 
 
-def dynamics(robot: Robot, values: Values, speeds: Array, up: Array) -> Moving:
+def dynamics(robot: Robot, values: Values, speeds: Array, up: Array) -> TreeDynamics:
     """Returns the dynamics at `values`, with the `speeds` (n, k) of `scalar_dofs`, against gravity along `up`
     (n, 3) [m/s²]."""
-    return PosedRobot(robot, values).moving(speeds, up)
+    return PosedRobot(robot, values).dynamics(speeds, up)
 
 
 class PosedRobot:
@@ -63,31 +63,33 @@ class PosedRobot:
         middle = np.zeros((self._count, 3))
         if self._size > MAX_WHOLE_DOFS:
             middle = np.mean([pose[:, :3, 3] for pose in self.poses.values()], axis=0)
-        self._bodies = {
-            link.name: _inertias(link.inertial, self.poses[link.name], middle) for link in robot.links
+        self._link_inertias = {
+            link.name: _spatial_inertias(link.inertial, self.poses[link.name], middle) for link in robot.links
         }
-        self._carried = dict(self._bodies)
+        self._composite_inertias = dict(self._link_inertias)
         for joint in reversed(robot.joints):
-            self._carried[joint.parent] = self._carried[joint.parent] + self._carried[joint.child]
+            self._composite_inertias[joint.parent] = (
+                self._composite_inertias[joint.parent] + self._composite_inertias[joint.child]
+            )
         self._screws = {
             joint.child: [
-                (number[dof.name], _motion(dof, frames[dof.name][0], middle))
+                (number[dof.name], _unit_motion(dof, frames[dof.name][0], middle))
                 for dof in joint.dofs
                 if dof.name in number
             ]
             for joint in robot.joints
         }
         self._momenta = [
-            (joint.child, at, screw, _times(self._carried[joint.child], screw))
+            (joint.child, at, screw, _inertia_times(self._composite_inertias[joint.child], screw))
             for joint in robot.joints
             for at, screw in self._screws[joint.child]
         ]
 
-    def moving(self, speeds: Array, up: Array, vectors: Array | None = None) -> Moving:
+    def dynamics(self, speeds: Array, up: Array, vectors: Array | None = None) -> TreeDynamics:
         """Returns the dynamics with the `speeds` (n, k), against gravity along `up` (n, 3) [m/s²]. `vectors`
         (k, v): the mass matrix is replaced by its products with these; None for the whole matrix."""
         mass = self._mass() if vectors is None else self._products(vectors)
-        return Moving(self.poses, mass, self.gravity(up), self._bias(speeds))
+        return TreeDynamics(self.poses, mass, self.gravity(up), self._bias(speeds))
 
     def diagonal(self) -> Array:
         """Returns the diagonal (n, k) of the mass matrix."""
@@ -114,7 +116,7 @@ class PosedRobot:
             for at, screw in self._screws[joint.child]:
                 acceleration = acceleration + screw[:, :, None] * vectors[at]
             accelerations[joint.child] = acceleration
-        forces = {name: body @ accelerations[name] for name, body in self._bodies.items()}
+        forces = {name: body @ accelerations[name] for name, body in self._link_inertias.items()}
         products = np.zeros((self._count, *vectors.shape))
         for joint in reversed(self._robot.joints):
             for at, screw in self._screws[joint.child]:
@@ -137,14 +139,14 @@ class PosedRobot:
         for joint in self._robot.joints:
             velocity, drift = velocities[joint.parent], drifts[joint.parent]
             for at, screw in self._screws[joint.child]:
-                gained = screw * speeds[:, at, None]
-                drift = drift + _crossed(velocity, gained)
-                velocity = velocity + gained
+                own_velocity = screw * speeds[:, at, None]
+                drift = drift + _cross_motion(velocity, own_velocity)
+                velocity = velocity + own_velocity
             velocities[joint.child], drifts[joint.child] = velocity, drift
         forces = {
-            name: _times(body, drifts[name])
-            + _crossed_force(velocities[name], _times(body, velocities[name]))
-            for name, body in self._bodies.items()
+            name: _inertia_times(body, drifts[name])
+            + _cross_force(velocities[name], _inertia_times(body, velocities[name]))
+            for name, body in self._link_inertias.items()
         }
         bias = np.zeros((self._count, self._size))
         for joint in reversed(self._robot.joints):
@@ -154,23 +156,23 @@ class PosedRobot:
         return bias
 
 
-def _inertias(inertial: Inertial, pose: Array, origin: Array) -> Array:
+def _spatial_inertias(inertial: Inertial, pose: Array, origin: Array) -> Array:
     """Returns the inertia (n, 6, 6) of a link about `origin` (n, 3)."""
     turn = pose[:, :3, :3]
     shift = inertial.mass * _skew(turn @ inertial.com + (pose[:, :3, 3] - origin))
     tensor = turn @ inertial.inertia @ turn.transpose(0, 2, 1)
-    out = np.zeros((len(pose), 6, 6))
+    matrices = np.zeros((len(pose), 6, 6))
     if inertial.mass:
         # The parallel axis theorem: m [c]ᵀ [c], where `shift` is m [c].
         tensor = tensor - shift @ shift / inertial.mass
-    out[:, :3, :3] = tensor
-    out[:, :3, 3:] = shift
-    out[:, 3:, :3] = -shift
-    out[:, 3:, 3:] = inertial.mass * np.eye(3)
-    return out
+    matrices[:, :3, :3] = tensor
+    matrices[:, :3, 3:] = shift
+    matrices[:, 3:, :3] = -shift
+    matrices[:, 3:, 3:] = inertial.mass * np.eye(3)
+    return matrices
 
 
-def _motion(dof: Dof, before: Array, origin: Array) -> Array:
+def _unit_motion(dof: Dof, before: Array, origin: Array) -> Array:
     """Returns the motion (n, 6) about `origin` (n, 3) of a unit speed of a dof in the frame `before` (n, 4,
     4)."""
     axis: Array = before[:, :3, :3] @ dof.axis
@@ -179,19 +181,19 @@ def _motion(dof: Dof, before: Array, origin: Array) -> Array:
     return np.concatenate([axis, cross(before[:, :3, 3] - origin, axis)], axis=1)
 
 
-def _times(bodies: Array, motion: Array) -> Array:
+def _inertia_times(bodies: Array, motion: Array) -> Array:
     product: Array = np.einsum("nij,nj->ni", bodies, motion)
     return product
 
 
-def _crossed(velocity: Array, motion: Array) -> Array:
+def _cross_motion(velocity: Array, motion: Array) -> Array:
     """Returns the change of a motion (n, 6) that is carried along with a velocity (n, 6)."""
     turn, shift = np.split(velocity, 2, axis=1)
     first, last = np.split(motion, 2, axis=1)
     return np.concatenate([cross(turn, first), cross(turn, last) + cross(shift, first)], axis=1)
 
 
-def _crossed_force(velocity: Array, force: Array) -> Array:
+def _cross_force(velocity: Array, force: Array) -> Array:
     """Returns the change of a force or momentum (n, 6) that is carried along with a velocity (n, 6)."""
     turn, shift = np.split(velocity, 2, axis=1)
     first, last = np.split(force, 2, axis=1)
@@ -200,8 +202,8 @@ def _crossed_force(velocity: Array, force: Array) -> Array:
 
 def _skew(vectors: Array) -> Array:
     """Returns the matrices (n, 3, 3) of the cross products v × ."""
-    out = np.zeros((len(vectors), 3, 3))
+    matrices = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -z, y, -x
-    out[:, 1, 0], out[:, 2, 0], out[:, 2, 1] = z, -y, x
-    return out
+    matrices[:, 0, 1], matrices[:, 0, 2], matrices[:, 1, 2] = -z, y, -x
+    matrices[:, 1, 0], matrices[:, 2, 0], matrices[:, 2, 1] = z, -y, x
+    return matrices

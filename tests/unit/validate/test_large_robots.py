@@ -18,8 +18,8 @@ from linkwright.stages.robot.model.robot import Dynamics, Limits
 from linkwright.stages.validate.checks.contact import contact_filter, reach
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import never_collide
-from linkwright.stages.validate.dynamics.mass_probes import MAX_WHOLE_DOFS, PRODUCTS, probes
-from linkwright.stages.validate.dynamics.random_poses import MIN_POSES, POSES, samples
+from linkwright.stages.validate.dynamics.mass_probes import MAX_WHOLE_DOFS, PROBE_COUNT, probe_vectors
+from linkwright.stages.validate.dynamics.random_poses import MIN_POSES, POSES, poses_and_speeds
 from linkwright.stages.validate.dynamics.tree_dynamics import PosedRobot
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
@@ -54,20 +54,20 @@ def _robot(links, above):
 
 
 def test_more_links_the_fewer_poses():
-    assert {len(samples(robot)[1]) for robot in (chain(3), tree(150))} == {POSES}
-    assert len(samples(tree(1000))[1]) == 20
-    assert len(samples(tree(3000))[1]) == MIN_POSES
+    assert {len(poses_and_speeds(robot)[1]) for robot in (chain(3), tree(150))} == {POSES}
+    assert len(poses_and_speeds(tree(1000))[1]) == 20
+    assert len(poses_and_speeds(tree(3000))[1]) == MIN_POSES
 
 
 def test_products_are_those_of_the_whole_matrix():
     robot = tree(MANY + 2)
-    values, speeds = samples(robot)
+    values, speeds = poses_and_speeds(robot)
     few = {name: value[:3] for name, value in values.items()}
     mechanism = PosedRobot(robot, few)
     own = mechanism.diagonal()
-    vectors = probes(own)
+    vectors = probe_vectors(own)
     assert vectors is not None
-    assert vectors.shape == (MANY + 1, PRODUCTS)
+    assert vectors.shape == (MANY + 1, PROBE_COUNT)
     up = np.tile([0.0, 0.0, 9.81], (3, 1))
     whole = mechanism.moving(speeds[:3], up).mass
     products = mechanism.moving(speeds[:3], up, vectors).mass
@@ -78,7 +78,7 @@ def test_products_are_those_of_the_whole_matrix():
 
 
 def test_small_robot_is_compared_as_a_whole():
-    assert probes(np.ones((2, MAX_WHOLE_DOFS))) is None
+    assert probe_vectors(np.ones((2, MAX_WHOLE_DOFS))) is None
 
 
 @pytest.mark.parametrize("ending", ["xml", "urdf"])

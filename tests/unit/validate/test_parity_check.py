@@ -9,7 +9,7 @@ import pytest
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
 from linkwright.stages.robot.dynamics.statics import holding_forces
 from linkwright.stages.robot.model.robot import Limits, frozen
-from linkwright.stages.validate.dynamics.random_poses import POSES, samples
+from linkwright.stages.validate.dynamics.random_poses import POSES, poses_and_speeds
 from linkwright.stages.validate.dynamics.tree_dynamics import dynamics
 from tests.support.building import plan_of, write
 from tests.support.checked import checked
@@ -78,7 +78,9 @@ def test_links_between_dofs_of_a_urdf_joint_count_nowhere(tmp_path):
 
 
 def test_without_pinocchio_the_check_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr("linkwright.stages.validate.checks.mechanism.parity.installed", lambda: False)
+    monkeypatch.setattr(
+        "linkwright.stages.validate.checks.mechanism.parity.is_pinocchio_installed", lambda: False
+    )
     write(arm(), tmp_path)
     mjcf, urdf = checks_in(tmp_path)
     assert "not installed" not in mjcf.detail
@@ -97,8 +99,8 @@ def test_tensor_a_little_off_is_found_in_the_mass_matrix(tmp_path):
 
 
 def test_samples_are_within_limits_and_the_same_every_time():
-    values, speeds = samples(arm())
-    again, _ = samples(arm())
+    values, speeds = poses_and_speeds(arm())
+    again, _ = poses_and_speeds(arm())
     assert speeds.shape == (POSES, 3)
     assert np.abs(values["arm_joint"]).max() <= 1
     assert all((values[name] == again[name]).all() for name in values)
@@ -107,7 +109,7 @@ def test_samples_are_within_limits_and_the_same_every_time():
 def test_dynamics_are_those_of_mass_matrix_and_statics():
     """The bias is that of Lagrange's equations: Ṁ q̇ − ∂T/∂q, by differences."""
     robot = arm()
-    values, speeds = samples(robot)
+    values, speeds = poses_and_speeds(robot)
     up = np.tile([0.0, 0.0, 9.81], (POSES, 1))
     moving = dynamics(robot, values, speeds, up)
     forces = holding_forces(robot, values, up[0])

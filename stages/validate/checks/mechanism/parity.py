@@ -21,12 +21,12 @@ from linkwright.stages.robot.system.install import install
 from linkwright.stages.robot.text.globs import name_list
 from linkwright.stages.robot.text.plural import count
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.dynamics.in_mujoco import in_mujoco
-from linkwright.stages.validate.dynamics.in_pinocchio import in_pinocchio, installed
-from linkwright.stages.validate.dynamics.mass_probes import own_sizes, probes
+from linkwright.stages.validate.dynamics.in_mujoco import mujoco_dynamics
+from linkwright.stages.validate.dynamics.in_pinocchio import is_pinocchio_installed, pinocchio_dynamics
+from linkwright.stages.validate.dynamics.mass_probes import inertia_roots, probe_vectors
 from linkwright.stages.validate.dynamics.mujoco_features import principal_axes_error
-from linkwright.stages.validate.dynamics.random_poses import samples
-from linkwright.stages.validate.dynamics.tree_dynamics import Moving, PosedRobot, scalar_dofs
+from linkwright.stages.validate.dynamics.random_poses import poses_and_speeds
+from linkwright.stages.validate.dynamics.tree_dynamics import PosedRobot, TreeDynamics, scalar_dofs
 from linkwright.stages.validate.findings import largest_error, link, named, shown, worst_first
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, DOFS_OF_TYPE, KINDS
 
@@ -54,27 +54,27 @@ TOO_LARGE_NOTE = (
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares a file in MuJoCo, and a URDF also in Pinocchio if that is installed."""
     robot = compiled.robot
-    values, speeds = samples(robot)
+    values, speeds = poses_and_speeds(robot)
     if not values:
         return
     posed = PosedRobot(robot, values)
     diagonals = posed.diagonal()
-    vectors = probes(diagonals)
-    computed, up = in_mujoco(compiled.model, robot, values, speeds, vectors, compiled.urdf)
-    expected = posed.moving(speeds, up, vectors)
-    asks = compiled.urdf and installed()
+    vectors = probe_vectors(diagonals)
+    computed, up = mujoco_dynamics(compiled.model, robot, values, speeds, vectors, compiled.urdf)
+    expected = posed.dynamics(speeds, up, vectors)
+    has_pinocchio = compiled.urdf and is_pinocchio_installed()
     large = sum(DOFS_OF_TYPE[KINDS[dof.kind]] for dof in robot.dofs) > MAX_PINOCCHIO_DOFS
-    note = "" if asks or not compiled.urdf else f"; {ABSENT_NOTE}"
-    note = f"; {TOO_LARGE_NOTE}" if asks and large else note
+    note = "" if has_pinocchio or not compiled.urdf else f"; {ABSENT_NOTE}"
+    note = f"; {TOO_LARGE_NOTE}" if has_pinocchio and large else note
     axes_change = _axes_change(robot) if compiled.urdf else 0.0
     yield _parity_check(
         compiled, "MuJoCo", computed, expected, Inertias(diagonals, vectors, axes_change), note
     )
-    if asks and not large:
-        read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
+    if has_pinocchio and not large:
+        computed = pinocchio_dynamics(compiled.path.read_bytes(), robot, values, speeds)
         upright = np.tile([0.0, 0.0, 9.81], (len(up), 1))
         expected = replace(expected, gravity=posed.gravity(upright))
-        yield _parity_check(compiled, "Pinocchio", read, expected, Inertias(diagonals, None, 0.0), "")
+        yield _parity_check(compiled, "Pinocchio", computed, expected, Inertias(diagonals, None, 0.0), "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,14 +85,19 @@ class Inertias:
     """The diagonals (n, k) of the mass matrices."""
 
     vectors: Array | None
-    """The vectors that `probes` returns."""
+    """The vectors that `probe_vectors` returns."""
 
     axes_change: float
     """The largest change [kg m²] of an entry of the mass matrix by the engine's own axes of inertias."""
 
 
 def _parity_check(
-    compiled: CompiledModel, engine: str, computed: Moving, expected: Moving, inertias: Inertias, note: str
+    compiled: CompiledModel,
+    engine: str,
+    computed: TreeDynamics,
+    expected: TreeDynamics,
+    inertias: Inertias,
+    note: str,
 ) -> Check:
     robot, urdf = compiled.robot, compiled.urdf
     pose_errors = _pose_errors(computed.poses, expected.poses)
@@ -131,7 +136,7 @@ def _pose_errors(computed: Mapping[str, Array], expected: Mapping[str, Array]) -
     return {name: float(np.abs(computed[name] - pose).max()) / size for name, pose in expected.items()}
 
 
-def _specks(robot: Robot, expected: Moving) -> float:
+def _specks(robot: Robot, expected: TreeDynamics) -> float:
     """Returns the inertia [kg m²] that the links which only a URDF has may add to an entry of the mass
     matrix. Links between the dofs of a joint, frames and both sides of loops have `TINY_INERTIAL` each."""
     between = sum(len(names) for names in urdf_names(robot).links_between.values())
@@ -150,7 +155,7 @@ def _axes_change(robot: Robot) -> float:
 
 
 def _force_errors(
-    computed: Moving, expected: Moving, inertias: Inertias, weight: float, speck: float
+    computed: TreeDynamics, expected: TreeDynamics, inertias: Inertias, weight: float, speck: float
 ) -> dict[str, Array]:
     """Returns the largest relative difference of each dof, by quantity.
 
@@ -160,7 +165,7 @@ def _force_errors(
     the root of the mass times gravity. Differences of the mass matrix up to `speck` are ignored, and so is
     their effect on gravity, at 9.81 m/s², and on the bias, at speeds of 1.
     """
-    sizes, vectors = own_sizes(inertias.own), inertias.vectors
+    sizes, vectors = inertia_roots(inertias.own), inertias.vectors
     largest = float(sizes.max(initial=0.0))
     if vectors is None:
         scale, least = sizes[:, :, None] * sizes[:, None, :], speck
