@@ -1,6 +1,7 @@
 """Checks a URDF or MJCF by itself, for errors that do not depend on which robot the file describes.
 
-- bodies: Compares the bodies of a bare file with their shapes and with each other, under the codes of a build.
+- bodies: Compares the bodies of a bare file with their shapes and with each other, under the codes of a
+  build.
 - figures: Defines the masses and sizes of the bodies of a bare file, whatever its format.
 - findings: Lists the checks of a bare file, a URDF or MJCF by itself, and parses the numbers in it.
 - judged: Judges masses, inertias and angles, by rules that are the same in every format.

@@ -62,8 +62,8 @@ def test_how_far_a_moved_collider_is_off(x):
     compiled = compiled_of(moved(x))
     own = [index for index in range(compiled.model.ngeom) if compiled.model.geom_bodyid[index] == 2]
     seen, solid = own[:1], own[1:]
-    fit = colliders.fit(compiled.model, seen, solid)
-    assert (fit.size, fit.solid) == pytest.approx((SIZE, SIZE))
+    fit = colliders.measured_fit(compiled.model, seen, solid)
+    assert (fit.size, fit.collider_size) == pytest.approx((SIZE, SIZE))
     assert fit.beyond == pytest.approx(x, abs=1e-9)
     assert fit.bare == pytest.approx(x, abs=1e-9)
 
@@ -72,10 +72,10 @@ def test_how_far_a_moved_collider_is_off(x):
     ("x", "expected"),
     [
         (0.0, (False, False)),
-        (0.5 * colliders.MOVED_SHARE * SIZE, (False, False)),
-        (1.1 * colliders.MOVED_SHARE * SIZE, (False, True)),
+        (0.5 * colliders.MIN_MOVED_SHARE * SIZE, (False, False)),
+        (1.1 * colliders.MIN_MOVED_SHARE * SIZE, (False, True)),
         (0.9 * colliders.MAX_SHARE * SIZE, (False, True)),
-        (colliders.MAX_SHARE * SIZE + colliders.UNJUDGED_SHARE * SIZE + 0.01, (True, False)),
+        (colliders.MAX_SHARE * SIZE + colliders.MAX_UNJUDGED_SHARE * SIZE + 0.01, (True, False)),
     ],
 )
 def test_moved_collider_of_which_nothing_is_known(x, expected):

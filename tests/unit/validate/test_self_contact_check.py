@@ -145,6 +145,6 @@ def test_mix_of_geoms_without_a_share():
     model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{balls}</worldbody></mujoco>")
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    mixed = contact_filter._mixed(model, 0, 1)
+    mixed = contact_filter._mixed_properties(model, 0, 1)
     assert mixed["solref"] == pytest.approx(data.contact[0].solref)
     assert mixed["solimp"] == pytest.approx(data.contact[0].solimp)

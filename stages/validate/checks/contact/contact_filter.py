@@ -26,7 +26,7 @@ TAGS = frozenset({"contact", "exclude", "pair", "geom", "contype", "conaffinity"
 
 GEOM = mujoco.mjtObj.mjOBJ_GEOM
 
-Grid = npt.NDArray[np.bool_]
+PairGrid = npt.NDArray[np.bool_]
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -41,13 +41,13 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     colliders = _colliders(compiled, geometry)
     excluded = {(exclude.link_a, exclude.link_b): exclude.geoms for exclude in geometry.excludes}
     outside = {int(signature) for signature in model.exclude_signature}
-    pairs, by_source, meant = _pairs(model), _of_source(compiled), set[frozenset[int]]()
+    pairs, source_pairs, needed_pairs = _explicit_pairs(model), _source_pairs(compiled), set[frozenset[int]]()
     for first_place, second_place in sorted(_candidates(model, geometry, colliders)):
         (first, first_geoms), (second, second_geoms) = colliders[first_place], colliders[second_place]
         if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (first_geoms, second_geoms))):
             continue
-        may = _may_collide(model, first_geoms, second_geoms, outside) | _among(
-            first_geoms, second_geoms, by_source & pairs.keys()
+        may = _may_collide(model, first_geoms, second_geoms, outside) | _pair_grid(
+            first_geoms, second_geoms, source_pairs & pairs.keys()
         )
         expected = np.full(may.shape, geometry.self_contact)
         excluded_geoms = excluded.get((first, second))
@@ -56,18 +56,18 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         missing_pairs = {
             frozenset((first_geoms[a], second_geoms[b])) for a, b in np.argwhere(expected & ~may)
         }
-        meant |= missing_pairs
-        may |= _among(first_geoms, second_geoms, pairs.keys() & missing_pairs)
+        needed_pairs |= missing_pairs
+        may |= _pair_grid(first_geoms, second_geoms, pairs.keys() & missing_pairs)
         if (may != expected).any():
-            extra, fewer = int((may & ~expected).sum()), int((expected & ~may).sum())
-            message = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
+            extra, missing = int((may & ~expected).sum()), int((expected & ~may).sum())
+            message = f"{count(missing, 'pair')} of their shapes cannot collide, but must"
             if extra:
                 message = f"{count(extra, 'pair')} of their shapes may collide, but must not"
             findings.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", message))
     message = "it lets them collide whatever else the file says; the robot has no such pair"
-    idle = sorted(pairs.keys() - meant - by_source, key=sorted)
-    findings += [Finding(_title(model, geoms), "geom1, geom2", message) for geoms in idle]
-    findings += _changed_pairs(model, {geoms: pairs[geoms] for geoms in pairs if geoms not in by_source})
+    idle_pairs = sorted(pairs.keys() - needed_pairs - source_pairs, key=sorted)
+    findings += [Finding(_title(model, geoms), "geom1, geom2", message) for geoms in idle_pairs]
+    findings += _changed_pairs(model, {geoms: pairs[geoms] for geoms in pairs if geoms not in source_pairs})
     detail = f"which shapes may collide, for {count(_pair_count(model, colliders), 'pair')} of links"
     yield compiled.within("contact filter", float(len(findings)), 0.0, detail, few(findings))
 
@@ -108,20 +108,20 @@ def _pair_count(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
     return math.comb(len(colliders), 2) - never
 
 
-def _pairs(model: Any) -> dict[frozenset[int], int]:
+def _explicit_pairs(model: Any) -> dict[frozenset[int], int]:
     """Maps the two geoms of each <pair>, which collide whatever their bits and excludes are, to its index."""
     pairs = zip(model.pair_geom1, model.pair_geom2, strict=True)
     return {frozenset(map(int, geoms)): number for number, geoms in enumerate(pairs)}
 
 
-def _of_source(compiled: CompiledModel) -> set[frozenset[int]]:
+def _source_pairs(compiled: CompiledModel) -> set[frozenset[int]]:
     """Returns the pairs of geoms that the robot's MJCF source lists."""
     sections = () if compiled.robot.mjcf is None else compiled.robot.mjcf.sections
     pairs = (element for element in children_of(sections, "contact") if element.tag == "pair")
     return {frozenset(index_of(compiled.model, GEOM, name) for _, name in pair.named()) for pair in pairs}
 
 
-def _among(first: Sequence[int], second: Sequence[int], pairs: Set[frozenset[int]]) -> Grid:
+def _pair_grid(first: Sequence[int], second: Sequence[int], pairs: Set[frozenset[int]]) -> PairGrid:
     """Returns, for each geom of `first` and of `second`, whether they are among `pairs`."""
     return np.array([[frozenset((geom, other)) in pairs for other in second] for geom in first])
 
@@ -131,17 +131,17 @@ def _changed_pairs(model: Any, pairs: Mapping[frozenset[int], int]) -> Iterator[
     pair (mj_contactParam)."""
     for geoms, pair in pairs.items():
         first, second = sorted(geoms)
-        for key, expected in _mixed(model, first, second).items():
+        for key, expected in _mixed_properties(model, first, second).items():
             value = getattr(model, f"pair_{key}")[pair]
             if np.abs(value - expected).max() > ENGINE_TOLERANCE:
                 message = f"is {value}, but {expected} without the pair"
                 yield Finding(_title(model, geoms), key, message)
 
 
-def _mixed(model: Any, first: int, second: int) -> dict[str, npt.NDArray[np.float64]]:
+def _mixed_properties(model: Any, first: int, second: int) -> dict[str, npt.NDArray[np.float64]]:
     """Returns the contact properties of two geoms (`first` < `second`) together, by the names of MjModel. The
     margin is the sum, as in MuJoCo since 3.5, whichever version is installed."""
-    spread = [0, 0, 1, 2, 2]
+    friction_indices = [0, 0, 1, 2, 2]
     geoms = [first, second]
     priority = model.geom_priority[geoms]
     if priority[0] != priority[1]:
@@ -153,7 +153,7 @@ def _mixed(model: Any, first: int, second: int) -> dict[str, npt.NDArray[np.floa
     mean = (share[:, None] * solref).sum(axis=0)
     return {
         "dim": model.geom_condim[geoms].max(),
-        "friction": model.geom_friction[geoms].max(axis=0)[spread],
+        "friction": model.geom_friction[geoms].max(axis=0)[friction_indices],
         "solref": mean if (solref[:, 0] > 0).all() else solref.min(axis=0),
         "solimp": (share[:, None] * model.geom_solimp[geoms]).sum(axis=0),
         "margin": model.geom_margin[[first, second]].sum(),
@@ -179,11 +179,11 @@ def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, l
     return colliders
 
 
-def _may_collide(model: Any, first: list[int], second: list[int], excluded: set[int]) -> Grid:
+def _may_collide(model: Any, first: list[int], second: list[int], excluded: set[int]) -> PairGrid:
     """Applies the rules of MuJoCo's documentation, "Collision detection": the bits of both geoms, and whether
     the signature of their bodies is among `excluded`."""
     bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (first, second)]
     bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (first, second)]
-    meet: Grid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
+    meet: PairGrid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
     signature = (min(bodies) << 16) + max(bodies)
     return meet & (signature not in excluded)

@@ -23,7 +23,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     geometry = compiled.geometry
     if geometry is None or not geometry.shapes or sets_defaults(compiled):
         return
-    findings = [*_of_geoms(compiled, geometry), *_of_hulls(compiled, geometry)]
+    findings = [*_geom_differences(compiled, geometry), *_hull_differences(compiled, geometry)]
     total = sum(shape.role == "collision" for shape in geometry.shapes)
     detail = f"{count(total, 'collider')} with the robot's friction, stiffness and margin"
     if findings:
@@ -32,26 +32,27 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("contact properties", float(len(findings)), 0.0, detail, few(findings))
 
 
-def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
+def _geom_differences(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     """Yields differences of links that have as many colliders as in the robot, without those that the user's
     own XML adds; other checks report missing colliders."""
     model, shapes = compiled.model, geometry.by_link()
     geoms_by_body = seen_and_solid(model)
     set_by_user = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
-    changed = bool(compiled.written.amendments.changes_of(compiled.path.name))
+    is_amended = bool(compiled.written.amendments.changes_of(compiled.path.name))
     for link in compiled.robot.links:
         expected = shapes[link.name, "collision"]
         _, geoms = geoms_by_body.get(body_index(model, link.name), ([], []))
-        if len(geoms) == len(expected) or (changed and len(geoms) > len(expected)):
+        if len(geoms) == len(expected) or (is_amended and len(geoms) > len(expected)):
             for shape, geom in zip(expected, geoms, strict=False):
                 element = named_geom(model, geom, link.name)
                 yield from contact_differences(model, geom, element, shape.contact, set_by_user)
 
 
-def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
+def _hull_differences(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
+    """Yields the meshes of colliders whose hull has a limited number of vertices."""
     if compiled.sets("maxhullvert"):
         return
-    solid = {
+    collider_meshes = {
         PurePosixPath(shape.file).stem
         for shape in geometry.shapes
         if shape.role == "collision" and shape.file
@@ -59,5 +60,5 @@ def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     for mesh in parse(compiled.path.read_bytes(), large=True).iterfind("asset/mesh"):
         name = mesh.get("name") or PurePosixPath(mesh.get("file", "")).stem
         max_vertices = mesh.get("maxhullvert", WHOLE_HULL)
-        if name in solid and max_vertices != WHOLE_HULL:
+        if name in collider_meshes and max_vertices != WHOLE_HULL:
             yield differs(named("mesh", name), "maxhullvert", max_vertices, None)

@@ -37,7 +37,8 @@ BodyPair = tuple[int, int]
 MIN_DEPTH = 5e-4
 """Depth [m] below which links that overlap only touch."""
 
-TURN = 2.0 * np.pi
+WHOLE_TURN = 2.0 * np.pi
+
 MAX_SLIDE_LIMIT = 1e3
 """Slide limits beyond this [m] count as unlimited."""
 
@@ -72,7 +73,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     set_values(model, data, compiled.robot, home(compiled.robot), urdf=False)
     start = data.qpos.copy()
     mujoco.mj_collision(model, data)
-    at_home = _contacts(model, data)
+    overlaps_at_home = _overlaps(model, data)
     solver = EqualitySolver(model)
     swept = swept_joints(model, start)
     rows: list[tuple[str | float, ...]] = []
@@ -80,7 +81,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     poses = 0
     joints, steps = _joints_and_steps(swept, model.nbody)
     for joint in joints:
-        collisions, pose_count = _sweep(model, data, solver, start, joint, set(at_home), steps)
+        collisions, pose_count = _sweep(model, data, solver, start, joint, set(overlaps_at_home), steps)
         poses += pose_count
         for (pair, _), collision in sorted(collisions.items()):
             rows.append(_row(model, joint, pair, collision))
@@ -114,8 +115,8 @@ def _finding(model: Any, joint: int, pair: BodyPair, collision: LinkCollision) -
 
 
 def _joints_and_steps(joints: list[int], bodies: int) -> tuple[list[int], int]:
-    """Returns the joints to sweep and the number of steps for each, as `MAX_BODY_POSES` allows: of thousands
-    of joints, an even sample."""
+    """Returns the joints to sweep, and the number of steps for each, as `MAX_BODY_POSES` allows. Of thousands
+    of joints it returns an even sample."""
     poses = max(MIN_STEPS, MAX_BODY_POSES // bodies)
     steps = max(MIN_STEPS, min(STEPS, poses // max(1, len(joints))))
     return joints[:: math.ceil(len(joints) * steps / poses) or 1], steps
@@ -131,8 +132,9 @@ def _sweep(
     steps: int,
 ) -> tuple[CollisionsByEnd, int]:
     """Sweeps a joint from its value in the pose `start` (nq,), whose equalities are closed, to the low end
-    and to the high end of its range. Returns the collisions by pair of bodies and end of the range, and the
-    number of poses pose_count."""
+    and to the high end of its range. Returns the collisions, and the number of poses. Each way ends early at
+    a value for which the equalities cannot be closed. `ignored`: pairs of bodies whose overlaps do not
+    count."""
     collisions: CollisionsByEnd = {}
     value = start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
@@ -150,7 +152,7 @@ def _sweep(
             data.qpos[:] = pose
             mujoco.mj_kinematics(model, data)
             mujoco.mj_collision(model, data)
-            for pair, depth in _contacts(model, data).items():
+            for pair, depth in _overlaps(model, data).items():
                 if pair in ignored:
                     continue
                 first = LinkCollision(float(joint_value), float(joint_value), depth)
@@ -165,13 +167,13 @@ def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
     is then swept by at most one turn, and a slide not at all, towards that limit."""
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
     if model.jnt_type[joint] == HINGE:
-        return max(low, value - TURN), min(high, value + TURN)
+        return max(low, value - WHOLE_TURN), min(high, value + WHOLE_TURN)
     low = low if low > value - MAX_SLIDE_LIMIT else value
     high = high if high < value + MAX_SLIDE_LIMIT else value
     return low, high
 
 
-def _contacts(model: Any, data: Any) -> dict[BodyPair, float]:
+def _overlaps(model: Any, data: Any) -> dict[BodyPair, float]:
     """Maps the pairs of bodies that overlap to their depth [m]."""
     depths: dict[BodyPair, float] = {}
     contacts = data.contact

@@ -29,18 +29,22 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
     reported = {(touch.link_a, touch.link_b) for touch in geometry.touching}
     wrong: dict[str, Finding] = {}
-    met = set()
-    for first, first_shape, second, second_shape in _contacts(compiled, geometry, data):
+    touching_pairs = set()
+    for first, first_shape, second, second_shape in _link_contacts(compiled, geometry, data):
         pair = first, second
         exclude = excludes.get(pair)
-        met.add(pair)
+        touching_pairs.add(pair)
         if exclude is not None and _is_excluded(exclude, first_shape, second_shape):
             text = f"{first} and {second}, which are excluded from contact"
             wrong[text] = _finding(first, second, "touch at home, and must be excluded from contact")
         elif pair not in reported:
             text = f"{first} and {second}, which was not reported"
             wrong[text] = _finding(first, second, "touch at home, which they do not with the robot's shapes")
-    detail = f"touching at home: {'; '.join(wrong)}" if wrong else f"{_pairs(len(met))} at home, as reported"
+    detail = (
+        f"touching at home: {'; '.join(wrong)}"
+        if wrong
+        else f"{_pair_text(len(touching_pairs))} at home, as reported"
+    )
     findings = few(wrong.values())
     yield compiled.within("contact with itself", float(len(wrong)), 0.0, detail, findings)
 
@@ -53,11 +57,13 @@ def _is_excluded(exclude: Exclude, first: int, second: int) -> bool:
     return not exclude.geoms or (first, second) in exclude.geoms
 
 
-def _pairs(number: int) -> str:
+def _pair_text(number: int) -> str:
     return f"{count(number, 'pair')} of links {'touches' if number == 1 else 'touch'}"
 
 
-def _contacts(compiled: CompiledModel, geometry: Geometry, data: Any) -> Iterator[tuple[str, int, str, int]]:
+def _link_contacts(
+    compiled: CompiledModel, geometry: Geometry, data: Any
+) -> Iterator[tuple[str, int, str, int]]:
     """Yields the two colliders of each contact between links, in the order of the links: each as its link and
     its position among the link's collision shapes."""
     model = compiled.model

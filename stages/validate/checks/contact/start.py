@@ -51,6 +51,7 @@ class Overlap:
     """The depth [m] of the overlap."""
 
     other: Other = "link"
+    """The kind of `second`."""
 
     @property
     def finding(self) -> Finding:
@@ -67,22 +68,22 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not model.ngeom:
         return
     if has_home:
-        overlapping = overlaps(compiled, at_keyframe(model, HOME))
-        reported = {(touch.link_a, touch.link_b): touch.depth for touch in _touching(compiled)}
-        deeper = [
+        start_overlaps = overlaps(compiled, at_keyframe(model, HOME))
+        reported = {(touch.link_a, touch.link_b): touch.depth for touch in _reported_touches(compiled)}
+        unexplained = [
             overlap
-            for overlap in overlapping
-            if overlap.depth > _reported(overlap, reported) + MAX_START_DEPTH
+            for overlap in start_overlaps
+            if overlap.depth > _reported_depth(overlap, reported) + MAX_START_DEPTH
         ]
         if compiled.robot.base.fixed:
-            deeper = [overlap for overlap in deeper if overlap.other != "ground"]
-        wrong = bool(deeper) and not _as_in_source(compiled)
-        yield _result(compiled, HOME, overlapping, "error" if wrong else "warning")
-    overlapping = overlaps(compiled, mujoco.MjData(model))
-    yield _result(compiled, "qpos0", overlapping, "warning" if has_home else "error")
+            unexplained = [overlap for overlap in unexplained if overlap.other != "ground"]
+        wrong = bool(unexplained) and not _is_as_in_source(compiled)
+        yield _result(compiled, HOME, start_overlaps, "error" if wrong else "warning")
+    start_overlaps = overlaps(compiled, mujoco.MjData(model))
+    yield _result(compiled, "qpos0", start_overlaps, "warning" if has_home else "error")
 
 
-def _as_in_source(compiled: CompiledModel) -> bool:
+def _is_as_in_source(compiled: CompiledModel) -> bool:
     """Tells whether the robot at `home` is where its MJCF source has it, without a ground that the source
     does not have."""
     robot, scene = compiled.robot, compiled.written.scene
@@ -93,26 +94,26 @@ def _as_in_source(compiled: CompiledModel) -> bool:
     return bool(np.abs(world_from_root - roots.get(HOME, roots[""])).max() < POSE_TOLERANCE)
 
 
-def _touching(compiled: CompiledModel) -> tuple[Touch, ...]:
+def _reported_touches(compiled: CompiledModel) -> tuple[Touch, ...]:
     return compiled.geometry.touching if compiled.geometry is not None else ()
 
 
-def _reported(overlap: Overlap, reported: Mapping[tuple[str, str], float]) -> float:
-    """Returns the depth [m] that was reported for the two bodies."""
+def _reported_depth(overlap: Overlap, reported: Mapping[tuple[str, str], float]) -> float:
+    """Returns the depth [m] that was reported for the two links, in either order; 0 if none was."""
     pairs = (overlap.first, overlap.second), (overlap.second, overlap.first)
     return max(reported.get(pair, 0.0) for pair in pairs)
 
 
-def _result(compiled: CompiledModel, where: str, overlapping: list[Overlap], level: CheckLevel) -> Check:
-    deep_overlaps = [overlap for overlap in overlapping if overlap.depth > MAX_START_DEPTH]
-    worst = max((overlap.depth for overlap in overlapping), default=0.0)
+def _result(compiled: CompiledModel, where: str, start_overlaps: list[Overlap], level: CheckLevel) -> Check:
+    deep_overlaps = [overlap for overlap in start_overlaps if overlap.depth > MAX_START_DEPTH]
+    worst = max((overlap.depth for overlap in start_overlaps), default=0.0)
     detail = f"the deepest contact at {where} [m]"
     if deep_overlaps:
-        words = [
+        texts = [
             f"{overlap.first} and {overlap.second} by {1e3 * overlap.depth:.3g} mm"
             for overlap in deep_overlaps[:3]
         ]
-        detail = f"at {where} inside each other: {', '.join(words)}"
+        detail = f"at {where} inside each other: {', '.join(texts)}"
     findings = [overlap.finding for overlap in deep_overlaps]
     return compiled.result(
         f"start at {where}", not deep_overlaps, detail, worst, MAX_START_DEPTH, findings, level
@@ -130,7 +131,7 @@ def overlaps(compiled: CompiledModel, data: Any) -> list[Overlap]:
 def _overlap(compiled: CompiledModel, contact: Touching, scene_bodies: Collection[int]) -> Overlap:
     model = compiled.model
     if contact.other == 0:
-        return Overlap(model.body(contact.body).name, *_of_the_world(compiled, contact.geom, contact.depth))
+        return Overlap(model.body(contact.body).name, *_world_overlap(compiled, contact.geom, contact.depth))
     first, second = contact.body, contact.other
     if first in scene_bodies and second not in scene_bodies:
         first, second = second, first
@@ -142,18 +143,18 @@ def _overlap(compiled: CompiledModel, contact: Touching, scene_bodies: Collectio
     return Overlap(model.body(first).name, name, contact.depth)
 
 
-def _of_the_world(compiled: CompiledModel, geom: int, depth: float) -> tuple[str, float, Other]:
-    """Returns a text, the depth [m] and the kind for a geom of the world that is touched."""
+def _world_overlap(compiled: CompiledModel, geom: int, depth: float) -> tuple[str, float, Other]:
+    """Returns the last three fields of `Overlap` for a geom of the world, overlapped by `depth` [m]."""
     model = compiled.model
     name = model.geom(geom).name
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
         return ("the ground" if name in ("", FLOOR) else f"the ground ({name})"), depth, "ground"
-    if compiled.robot.root.name == "world" and geom in _colliders_of_the_world(compiled):
+    if compiled.robot.root.name == "world" and geom in _root_colliders(compiled):
         return "world", depth, "ground"
     return named("geom", name) if name else "a geom of the world", depth, "obstacle"
 
 
-def _colliders_of_the_world(compiled: CompiledModel) -> list[int]:
-    """Returns the geoms of a root that is the world, which precede those of the scene."""
+def _root_colliders(compiled: CompiledModel) -> list[int]:
+    """Returns the colliders of a root that is the world. They precede the world's geoms from the scene."""
     number = 0 if compiled.geometry is None else len(compiled.geometry.shapes_of("world", "collision"))
     return seen_and_solid(compiled.model).get(0, ([], []))[1][:number]

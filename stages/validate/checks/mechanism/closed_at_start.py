@@ -11,6 +11,7 @@ from linkwright.stages.validate.model.equalities import LOOP_TOLERANCE, open_equ
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Checks MJCFs with equalities."""
     if compiled.urdf or not compiled.model.neq:
         return
     data = mujoco.MjData(compiled.model)

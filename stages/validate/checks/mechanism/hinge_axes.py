@@ -16,7 +16,7 @@ from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.model.shapes import reach, seen_and_solid
 
-MAX_SHARE = 0.5
+MAX_DISTANCE_SHARE = 0.5
 """Largest distance of the axis from both links, as a share of the extent of the smaller link."""
 
 DIRECTIONS = 48
@@ -37,20 +37,20 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         if model.jnt_type[joint] != HINGE or child not in geoms or parent not in geoms:
             continue
         hinges += 1
-        away = min(_distance(model, data, joint, body, geoms[body]) for body in (child, parent))
+        axis_distance = min(_distance(model, data, joint, body, geoms[body]) for body in (child, parent))
         extent = min(_extent(model, geoms[body]) for body in (child, parent))
-        worst = max(worst, away / extent if extent else 0.0)
-        if away > MAX_SHARE * extent:
+        worst = max(worst, axis_distance / extent if extent else 0.0)
+        if axis_distance > MAX_DISTANCE_SHARE * extent:
             name, links = model.joint(joint).name, [model.body(body).name for body in (parent, child)]
-            text = f"the axis of {name} passes {1e3 * away:.3g} mm outside {links[0]} and {links[1]}"
-            findings.append((-away, Finding(named("joint", name), "pos", text)))
+            text = f"the axis of {name} passes {1e3 * axis_distance:.3g} mm outside {links[0]} and {links[1]}"
+            findings.append((-axis_distance, Finding(named("joint", name), "pos", text)))
     if not hinges:
         return
     misses = [finding for _, finding in sorted(findings, key=lambda row: row[0])]
     detail = f"the axes of {count(hinges, 'hinge')} pass through the links that they join, or near them"
     if misses:
         detail = f"{len(misses)} of {count(hinges, 'hinge')} with an axis that misses both links"
-    yield compiled.result("axes of hinges", not misses, detail, worst, MAX_SHARE, misses, "warning")
+    yield compiled.result("axes of hinges", not misses, detail, worst, MAX_DISTANCE_SHARE, misses, "warning")
 
 
 def _distance(model: Any, data: Any, joint: int, body: int, geoms: Sequence[int]) -> float:
@@ -58,13 +58,14 @@ def _distance(model: Any, data: Any, joint: int, body: int, geoms: Sequence[int]
     through."""
     world_from_body = data.xmat[body].reshape(3, 3)
     anchor = world_from_body.T @ (data.xanchor[joint] - data.xpos[body])
-    across = _around(world_from_body.T @ data.xaxis[joint])
-    # Seen along the axis, the hull holds the axis' point if it reaches beyond it in each direction.
+    across = _directions_across(world_from_body.T @ data.xaxis[joint])
+    # Seen along the axis, which is then a point, the hull contains the axis if it reaches beyond this point
+    # in every direction.
     return max(0.0, -float((reach(model, geoms, across) - across @ anchor).min()))
 
 
-def _around(axis: Array) -> Array:
-    """Returns unit vectors (N, 3) perpendicular to an axis."""
+def _directions_across(axis: Array) -> Array:
+    """Returns `DIRECTIONS` unit vectors (n, 3) perpendicular to an axis (3,), evenly around it."""
     across = np.eye(3)[int(np.abs(axis).argmin())]
     first = np.cross(axis, across)
     first /= np.linalg.norm(first)

@@ -28,11 +28,13 @@ POSES = 9
 """Number of poses at which a URDF's loops are checked."""
 
 CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
-POINTS = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
+EQUALITIES_BY_TYPE = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
 """Type of loop → its equalities (kind, number). Loops of other types have a single weld."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Compares the equalities of an MJCF, and the frames that they join. For a URDF, measures the loops that
+    it closes by relations, and compares its frames of loops."""
     if compiled.urdf:
         if compiled.written.urdf_form.closed:
             yield _closed_by_relations(compiled)
@@ -46,34 +48,34 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     )
     expected: Counter[tuple[int, frozenset[int]]] = Counter()
     for loop in robot.loops:
-        kind, number = POINTS.get(loop.type, (WELD, 1))
+        kind, number = EQUALITIES_BY_TYPE.get(loop.type, (WELD, 1))
         expected[kind, frozenset(ends(model, loop))] += number
     wrong = sum((closures - expected).values()) + sum((expected - closures).values())
     detail = f"{count(len(robot.loops), 'loop')}, each closed between its links by the equalities of its type"
-    findings = few(_equalities(compiled)) if wrong else ()
+    findings = few(_equality_findings(compiled)) if wrong else ()
     yield compiled.within("loops", float(wrong), 0.0, detail, findings)
     if robot.loops and not wrong:
         yield from compare_loops(read_compiled(compiled), "frames of loops")
-        yield _held_fast(compiled)
+        yield _stiffness_check(compiled)
 
 
-def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
+def _equality_findings(compiled: CompiledModel) -> Iterator[Finding]:
     """Yields the loops with too few equalities, and the equalities that close no loop."""
     model, matched = compiled.model, []
     indices = range(model.neq - compiled.surplus.equalities)
     equalities = [index for index in indices if int(model.eq_type[index]) in (CONNECT, WELD)]
     for loop in compiled.robot.loops:
-        kind, number = POINTS.get(loop.type, (WELD, 1))
+        kind, number = EQUALITIES_BY_TYPE.get(loop.type, (WELD, 1))
         between = frozenset(ends(model, loop))
-        fit = [
+        matches = [
             index
             for index in equalities
             if int(model.eq_type[index]) == kind and between == bodies(model, index)
         ]
-        matched += fit
-        if len(fit) != number:
+        matched += matches
+        if len(matches) != number:
             element = named("weld" if kind == WELD else "connect", loop.name)
-            message = f"{len(fit)} of the {number} that close {loop.link_a} and {loop.link_b} are there"
+            message = f"{len(matches)} of the {number} that close {loop.link_a} and {loop.link_b} are there"
             yield Finding(element, "site1, site2", message)
     for index in equalities:
         if index not in matched:
@@ -83,15 +85,17 @@ def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
             yield Finding(element, "site1, site2", message)
 
 
-def _held_fast(compiled: CompiledModel) -> Check:
+def _stiffness_check(compiled: CompiledModel) -> Check:
     """Checks that the equalities of loops are active, and as stiff as the robot's."""
     robot, model, findings = compiled.robot, compiled.model, []
-    by_source = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
-    for index, loop in _closing(compiled):
+    source_attributes = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
+    for index, loop in _closing_equalities(compiled):
         element = named(_kind(model, index), model.equality(index).name)
         if not model.eq_active0[index] and not compiled.sets("active"):
             findings.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
-        findings += solver_differences(compiled, index, element, loop.solref, by_source.get(loop.name))
+        findings += solver_differences(
+            compiled, index, element, loop.solref, source_attributes.get(loop.name)
+        )
     detail = (
         f"{count(len(robot.loops), 'loop')}, held by equalities that are active and as stiff as they must be"
     )
@@ -100,7 +104,7 @@ def _held_fast(compiled: CompiledModel) -> Check:
     return compiled.within("loops are held", float(len(findings)), 0.0, detail, few(findings))
 
 
-def _closing(compiled: CompiledModel) -> Iterator[tuple[int, Loop]]:
+def _closing_equalities(compiled: CompiledModel) -> Iterator[tuple[int, Loop]]:
     """Yields the equalities between the bodies of loops, each with its loop."""
     model = compiled.model
     pairs = {frozenset(ends(model, loop)): loop for loop in compiled.robot.loops}
@@ -114,8 +118,8 @@ def _kind(model: Any, index: int) -> str:
 
 
 def _closed_by_relations(compiled: CompiledModel) -> Check:
-    """Measures how far the loops are open with drivers within their limits and followers at their
-    relations."""
+    """Checks the gaps of the loops that the URDF closes, with all drivers at the same share of their ranges
+    and all followers where the relations put them."""
     robot, model = compiled.robot, compiled.model
     data = mujoco.MjData(model)
     limits = ranges(robot)
@@ -148,7 +152,8 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
 
 
 def _between(ends: tuple[float, float], near: Value, share: float) -> Value:
-    """Returns the value at a share of a range; without limits, a value within 0.5 rad or m of `near`."""
+    """Returns the value at a share (0 to 1) of a range. An end without a limit is 0.5 rad or m from
+    `near`."""
     assert not isinstance(near, tuple)
     low, high = (
         end if math.isfinite(end) else near + side for end, side in zip(ends, (-0.5, 0.5), strict=True)

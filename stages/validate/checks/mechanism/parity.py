@@ -111,10 +111,10 @@ def _parity_check(
     changes = compiled.written.amendments.changes_of(compiled.path.name)
     added = [change.key for change in changes if ELEMENTS_WITH_MASS & {*" ".join(change.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
-    weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
-    speck = inertias.axes_change + (_specks(robot, expected) if urdf else 0.0)
+    weight_scale = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
+    speck = inertias.axes_change + (_tiny_links_change(robot, expected) if urdf else 0.0)
     forces = (
-        _force_errors(computed, expected, inertias, weight, speck)
+        _force_errors(computed, expected, inertias, weight_scale, speck)
         if names and not carried and not added
         else {}
     )
@@ -125,7 +125,7 @@ def _parity_check(
                 message = f"{quantity} of what it moves is off by {shown(value)}"
                 findings.append((float(value), Finding(named("joint", name), "inertial", message)))
     figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in largest.items())
-    left_out = f"{_left_out(robot, carried, added)}{note}"
+    left_out = f"{_omission_text(robot, carried, added)}{note}"
     detail = f"against the robot's own at {len(expected.bias)} poses: {figures}{left_out}"
     worst = largest_error(largest.values())
     return compiled.within(f"parity in {engine}", worst, TOLERANCE, detail, worst_first(findings))
@@ -136,7 +136,7 @@ def _pose_errors(computed: Mapping[str, Array], expected: Mapping[str, Array]) -
     return {name: float(np.abs(computed[name] - pose).max()) / size for name, pose in expected.items()}
 
 
-def _specks(robot: Robot, expected: TreeDynamics) -> float:
+def _tiny_links_change(robot: Robot, expected: TreeDynamics) -> float:
     """Returns the inertia [kg m²] that the links which only a URDF has may add to an entry of the mass
     matrix. Links between the dofs of a joint, frames and both sides of loops have `TINY_INERTIAL` each."""
     between = sum(len(names) for names in urdf_names(robot).links_between.values())
@@ -155,15 +155,15 @@ def _axes_change(robot: Robot) -> float:
 
 
 def _force_errors(
-    computed: TreeDynamics, expected: TreeDynamics, inertias: Inertias, weight: float, speck: float
+    computed: TreeDynamics, expected: TreeDynamics, inertias: Inertias, weight_scale: float, speck: float
 ) -> dict[str, Array]:
     """Returns the largest relative difference of each dof, by quantity.
 
     The mass matrix is compared relative to the two dofs' own entries, but at least to a millionth of the
     largest. Forces are compared relative to the largest, but at least to those that the mass matrix implies:
-    for the bias its entry, at a speed of 1, and for gravity the root of its entry times `weight`, which is
-    the root of the mass times gravity. Differences of the mass matrix up to `speck` are ignored, and so is
-    their effect on gravity, at 9.81 m/s², and on the bias, at speeds of 1.
+    for the bias its entry, at a speed of 1, and for gravity the root of its entry times `weight_scale`, which
+    is the root of the mass times gravity. Differences of the mass matrix up to `speck` are ignored, and so
+    is their effect on gravity, at 9.81 m/s², and on the bias, at speeds of 1.
     """
     sizes, vectors = inertia_roots(inertias.own), inertias.vectors
     largest = float(sizes.max(initial=0.0))
@@ -176,26 +176,26 @@ def _force_errors(
         least = MAX_DEVIATIONS * speck * np.linalg.norm(vectors, axis=0)
     mass_errors = np.maximum(np.abs(computed.mass - expected.mass) - least, 0.0)
     rows = {"mass matrix": (mass_errors / scale).max(axis=(0, 2))}
-    for name, forces, goals, least, ignored_error in (
+    for name, forces, goals, implied, ignored_error in (
         (
             "gravity",
             computed.gravity,
             expected.gravity,
-            largest * weight,
+            largest * weight_scale,
             9.81 * (speck - inertias.axes_change),
         ),
         ("bias", computed.bias, expected.bias, largest**2, speck * sizes.shape[1] ** 2),
     ):
-        size = max(float(np.abs(goals).max(initial=0.0)), least) or 1.0
+        size = max(float(np.abs(goals).max(initial=0.0)), implied) or 1.0
         rows[name] = np.maximum(np.abs(forces - goals) - ignored_error, 0.0).max(axis=0) / size
     return rows
 
 
-def _left_out(robot: Robot, carried: bool, added: Sequence[str]) -> str:
+def _omission_text(robot: Robot, carried: bool, added: Sequence[str]) -> str:
     words = []
-    unscalar = len(robot.dofs) - len(scalar_dofs(robot))
-    if unscalar:
-        words.append(f"the speeds of {count(unscalar, 'ball or free joint', 'balls and free joints')}")
+    other_count = len(robot.dofs) - len(scalar_dofs(robot))
+    if other_count:
+        words.append(f"the speeds of {count(other_count, 'ball or free joint', 'balls and free joints')}")
     if not robot.base.fixed:
         words.append("the base, which is held")
     if added:

@@ -12,6 +12,7 @@ from linkwright.stages.validate.findings import unstable
 from linkwright.stages.validate.simulate.noise import run_with_noise
 
 SECONDS, STRICT_SECONDS = 1.0, 10.0
+"""Length of the run [s]: by default, and with `validate=strict`."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -19,13 +20,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     model = compiled.model
     if not model.nu:
         return
-    shake = run_with_noise(model, STRICT_SECONDS if compiled.options.strict else SECONDS)
-    detail = f"{shake.time:.3g} s of noise over the range of each control without a warning"
+    run = run_with_noise(model, STRICT_SECONDS if compiled.options.strict else SECONDS)
+    detail = f"{run.time:.3g} s of noise over the range of each control without a warning"
     findings = []
-    if shake.failure:
-        detail = (
-            f"after {shake.time:.3g} s of noise {shake.failure}{' at ' + shake.joint if shake.joint else ''}"
-        )
+    if run.failure:
+        detail = f"after {run.time:.3g} s of noise {run.failure}{' at ' + run.joint if run.joint else ''}"
         hint = "less gain or force, more armature or damping, or a shorter step would help"
-        findings = [unstable(shake.joint, f"{shake.failure}: {hint}")]
-    yield compiled.result("control noise", not shake.failure, detail, findings=findings)
+        findings = [unstable(run.joint, f"{run.failure}: {hint}")]
+    yield compiled.result("control noise", not run.failure, detail, findings=findings)

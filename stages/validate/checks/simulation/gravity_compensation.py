@@ -13,7 +13,7 @@ from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, joint
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Compares the share of each body's weight that an MJCF compensates, and the joints that do."""
-    findings = few((*_of_bodies(compiled), *_of_joints(compiled)))
+    findings = few((*_body_differences(compiled), *_joint_differences(compiled)))
     compensated = compiled.written.actuation.compensated
     detail = "the share of the weight that actuators carry" if compensated else "only the joints carry weight"
     if findings:
@@ -21,7 +21,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("compensated weight", float(len(findings)), 0.0, detail, findings)
 
 
-def _of_bodies(compiled: CompiledModel) -> Iterator[Finding]:
+def _body_differences(compiled: CompiledModel) -> Iterator[Finding]:
     model = compiled.model
     expected = np.zeros(model.nbody)
     for name, share in compiled.written.actuation.compensated:
@@ -33,7 +33,7 @@ def _of_bodies(compiled: CompiledModel) -> Iterator[Finding]:
             yield differs(element, "gravcomp", model.body_gravcomp[body], expected[body])
 
 
-def _of_joints(compiled: CompiledModel) -> Iterator[Finding]:
+def _joint_differences(compiled: CompiledModel) -> Iterator[Finding]:
     """Compares which joints compensate weight by their actuators, whose limits then include it."""
     model, compensating = compiled.model, compiled.written.actuation.compensating
     for name, _, dof in joints_of(compiled.robot, urdf=False):

@@ -22,8 +22,8 @@ SECONDS = 2.0
 """Length of the run [s]."""
 
 MAX_SAG, MAX_SLIP = 0.1, 0.02
-"""Largest distance [rad, m] by which a joint may sag, and a base sink or tilt, until its servos hold the
-weight."""
+"""Largest angle [rad] and distance [m] by which a joint may sag, or a base tilt and sink, until the servos
+hold the weight."""
 
 MAX_SPEED = 0.1
 """Largest speed [rad/s, m/s] of a robot at rest, at the end of the run."""
@@ -38,14 +38,14 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     motions = largest_motions(compiled)
     if motions is None:
         return
-    too_far = [motion for motion in motions if motion[0] > 1.0]
+    excessive = [motion for motion in motions if motion[0] > 1.0]
     share, worst, words = motions[0] if motions else (0.0, -1, "")
     name = model.joint(worst).name or named_joint(model, worst) if worst >= 0 else ""
     time = _steps(model) * model.opt.timestep
     controlled = f"{time:.3g} s with the controls of home"
     detail = f"{controlled}; the largest motion, as a share of what is allowed: {name} {words}"
-    findings = [_finding(model, joint, words) for _, joint, words in too_far]
-    yield compiled.result("rests at home", not too_far, detail, share, 1.0, findings, "warning")
+    findings = [_finding(model, joint, words) for _, joint, words in excessive]
+    yield compiled.result("rests at home", not excessive, detail, share, 1.0, findings, "warning")
 
 
 def largest_motions(compiled: CompiledModel) -> list[tuple[float, int, str]] | None:
@@ -66,6 +66,7 @@ def largest_motions(compiled: CompiledModel) -> list[tuple[float, int, str]] | N
 
 
 def _steps(model: Any) -> int:
+    """Returns the number of steps of the run; fewer than `SECONDS` need for a large model (`MAX_WORK`)."""
     steps = round(SECONDS / float(model.opt.timestep))
     return max(1, min(steps, int(MAX_WORK / max(1, model.nv) ** 2)))
 
@@ -76,10 +77,10 @@ def _judged_joints(compiled: CompiledModel) -> list[int]:
     model = compiled.model
     scene_bodies = bodies_of_scene(model, compiled.robot)
     joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) not in scene_bodies]
-    return [joint for joint in joints if model.jnt_type[joint] != FREE or _carried(model)]
+    return [joint for joint in joints if model.jnt_type[joint] != FREE or _has_ground(model)]
 
 
-def _carried(model: Any) -> bool:
+def _has_ground(model: Any) -> bool:
     """Tells whether something fixed in the world collides."""
     fixed = model.body_weldid[model.geom_bodyid] == 0
     return bool(np.any(fixed & ((model.geom_contype | model.geom_conaffinity) != 0)))
@@ -110,13 +111,13 @@ def _finding(model: Any, joint: int, words: str) -> Finding:
     name = model.joint(joint).name
     # The number of a target is that of a joint only for some kinds of transmission.
     on_joint = np.isin(model.actuator_trntype, JOINT_TRANSMISSIONS)
-    drives = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
+    drivers = np.flatnonzero(on_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
     if model.jnt_type[joint] == FREE:
         return Finding(
             named_joint(model, joint), "", f"the base {words}: it does not stand at home by itself"
         )
-    if drives:
-        actuator = model.actuator(drives[0]).name
+    if drivers:
+        actuator = model.actuator(drivers[0]).name
         return Finding(
             named("actuator", actuator),
             "ctrl of the keyframe home",

@@ -12,6 +12,7 @@ from linkwright.stages.validate.findings import unstable
 from linkwright.stages.validate.simulate.running import with_options
 
 SECONDS, STRICT_SECONDS = 0.5, 2.0
+"""Length of each run [s]: by default, and with `validate=strict`."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:

@@ -17,12 +17,14 @@ from linkwright.stages.validate.model.coordinates import HINGE
 from linkwright.stages.validate.simulate.holding import holding_forces, strength
 
 HEADER = ("joint", "unit", "holds at home", "holds at most", "can hold", "share")
+"""Columns of the table. The share is that of `can hold` which `holds at most` takes."""
 
 POSES = 64
 """Number of poses sampled in the robot's range, in addition to `home`."""
 
 MAX_LINK_POSES, MIN_POSES = 20_000, 8
-"""Largest product of links and poses, and smallest number of poses: it bounds the time for large robots."""
+"""Largest product of links and poses, which bounds the time for large robots; and the smallest number of
+poses in spite of it."""
 
 SLIDE_TRAVEL = 0.5
 """Travel [m] of slides without limits."""
@@ -41,7 +43,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for name, force in forces.items():
         available, largest, unit = (
             strength(model, joint_index(model, name)),
-            _largest(compiled, name, force),
+            _largest_load(compiled, name, force),
             _unit(model, name),
         )
         # A joint without strength has a huge share instead of a division by zero.
@@ -54,11 +56,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
             message = (
                 f"it needs up to {largest:.3g} {unit} to hold the weight, and has {available:.3g} {unit}"
             )
-            findings.append(Finding(named("joint", name), _limit_attribute(model, name), message))
-    worst, worst_joint = max(shares, default=(0.0, "no joint with a limit"))
+            findings.append(Finding(named("joint", name), _force_limit_attribute(model, name), message))
+    largest_share, worst_joint = max(shares, default=(0.0, "no joint with a limit"))
     load = f"load of the weight{_payload_text(compiled)}"
     detail = f"{load}, as a share of the joint's strength; largest: {worst_joint}"
-    result = compiled.within("torque margin", worst, 1.0, detail, findings, "warning")
+    result = compiled.within("torque margin", largest_share, 1.0, detail, findings, "warning")
     yield replace(result, table=Table(HEADER, tuple(rows)))
 
 
@@ -68,6 +70,7 @@ def _rounded(value: float | None) -> float | None:
 
 
 def _poses(compiled: CompiledModel) -> list[Configuration]:
+    """Returns `home`, and poses sampled in the robot's range."""
     start = home(compiled.robot)
     poses = max(MIN_POSES, min(POSES, MAX_LINK_POSES // len(compiled.robot.links)))
     samples = sampled_poses(compiled.robot, poses, SLIDE_TRAVEL, start)
@@ -79,7 +82,7 @@ def _value(value: Any) -> Any:
     return float(value) if np.ndim(value) == 0 else tuple(map(float, value))
 
 
-def _largest(compiled: CompiledModel, name: str, force: Array) -> float:
+def _largest_load(compiled: CompiledModel, name: str, force: Array) -> float:
     """Returns the largest force that holds the weight. For a robot on its feet it is at least the load of the
     joint, which the export stage computes from the weight on the feet."""
     drive = compiled.written.actuation.actuator_of(name)
@@ -91,7 +94,8 @@ def _unit(model: Any, name: str) -> str:
     return "N m" if model.jnt_type[joint_index(model, name)] == HINGE else "N"
 
 
-def _limit_attribute(model: Any, name: str) -> str:
+def _force_limit_attribute(model: Any, name: str) -> str:
+    """Returns the attribute that limits the force on a joint."""
     limited = model.jnt_actfrclimited[joint_index(model, name)]
     return "actuatorfrcrange" if limited else "forcerange of its actuator"
 

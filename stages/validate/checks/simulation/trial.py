@@ -37,7 +37,7 @@ def _remedy(model: Any, trial: Trial) -> str:
     step = model.opt.timestep
     joint = trial.joint or "*"
     for change, words in (
-        (_without_contacts, f"without contacts it does not: {_deepest(model)}"),
+        (_without_contacts, f"without contacts it does not: {_deepest_contact_text(model)}"),
         (_half_step, f"scene.option.timestep={step / 2:g} would fix it"),
         (_armature(trial), f"armature would fix it: joints: {{{joint}: {{armature: ...}}}}"),
         (_damping(trial), f"damping would fix it: joints: {{{joint}: {{damping: ...}}}}"),
@@ -71,7 +71,7 @@ def _increase(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
     @contextmanager
     def change(model: Any) -> Iterator[None]:
         values = getattr(model, field)
-        before = values.copy()
+        saved_values = values.copy()
         for dof in range(model.nv):
             joint = model.joint(int(model.dof_jntid[dof]))
             if joint.type[0] != mujoco.mjtJoint.mjJNT_FREE and (
@@ -84,13 +84,13 @@ def _increase(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
         try:
             yield
         finally:
-            values[:] = before
+            values[:] = saved_values
             mujoco.mj_setConst(model, mujoco.MjData(model))
 
     return change
 
 
-def _deepest(model: Any) -> str:
+def _deepest_contact_text(model: Any) -> str:
     """Returns a text with the two bodies whose contact at `home` is the deepest, and the remedy."""
     data = at_keyframe(model)
     mujoco.mj_forward(model, data)

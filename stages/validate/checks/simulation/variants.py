@@ -21,7 +21,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 SAMPLE_SIZE = 4
 """Number of simulated variants, spread evenly over all."""
 
-HINT = "; a smaller share in variants.ranges keeps them closer to the robot"
+SMALLER_SHARE_HINT = "; a smaller share in variants.ranges keeps them closer to the robot"
 
 MAX_BYTES = 1 << 31
 """Largest size [bytes] of a file that is read."""
@@ -29,7 +29,8 @@ MAX_BYTES = 1 << 31
 TRIANGLE_TOLERANCE = 1e-9
 """Relative tolerance of the triangle inequality of moments of inertia: the file has 12 digits."""
 
-NOT_NEGATIVE = ("damping", "armature", "frictionloss", "friction", "stiffness")
+NON_NEGATIVE_FIELDS = ("damping", "armature", "frictionloss", "friction", "stiffness")
+"""Endings of the fields whose values are at least 0."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -38,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not path.is_file() or not compiled.model.nv:
         return
     variants, wrong = _read(compiled)
-    wrong = wrong or (_impossible(compiled, variants) if variants is not None else "")
+    wrong = wrong or (_impossible_value_text(compiled, variants) if variants is not None else "")
     passed = (
         ""
         if variants is None
@@ -46,7 +47,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     )
     yield compiled.result("variants", not wrong, wrong or passed)
     if variants is not None and variants.n and not wrong:
-        yield from _simulated(compiled, variants)
+        yield from _simulation_checks(compiled, variants)
 
 
 def _read(compiled: CompiledModel) -> tuple[Variants | None, str]:
@@ -67,17 +68,17 @@ def _read(compiled: CompiledModel) -> tuple[Variants | None, str]:
     return variants, ""
 
 
-def _impossible(compiled: CompiledModel, variants: Variants) -> str:
+def _impossible_value_text(compiled: CompiledModel, variants: Variants) -> str:
     """Returns a text on the first value that no robot can have; "" without such a value."""
     for field, values in variants.fields.items():
         if len(values) != variants.n or not np.isfinite(values).all():
             return f"{FILE}: {field} is not finite, or of another number of variants"
-        if field.endswith(NOT_NEGATIVE) and (values < 0).any():
+        if field.endswith(NON_NEGATIVE_FIELDS) and (values < 0).any():
             return f"{FILE}: {field} is below 0"
     mass, inertia = variants.fields.get("body_mass"), variants.fields.get("body_inertia")
     if mass is not None:
-        weighs = compiled.model.body_mass[: mass.shape[1]] > 0
-        if ((mass > 0) != weighs).any():
+        has_mass = compiled.model.body_mass[: mass.shape[1]] > 0
+        if ((mass > 0) != has_mass).any():
             return f"{FILE}: body_mass is not above 0"
     if inertia is not None:
         total = inertia.sum(axis=2)
@@ -86,7 +87,7 @@ def _impossible(compiled: CompiledModel, variants: Variants) -> str:
     return ""
 
 
-def _simulated(compiled: CompiledModel, variants: Variants) -> Iterator[Check]:
+def _simulation_checks(compiled: CompiledModel, variants: Variants) -> Iterator[Check]:
     numbers = sorted({round(k * (variants.n - 1) / max(1, SAMPLE_SIZE - 1)) for k in range(SAMPLE_SIZE)})
     rests = _rests(compiled)
     failed, moving, largest_opening = [], [], 0.0
@@ -99,11 +100,11 @@ def _simulated(compiled: CompiledModel, variants: Variants) -> Iterator[Check]:
         elif rests and not _rests(varied):
             moving.append(str(number))
     passed = f"variants {', '.join(map(str, numbers))} simulated from home without a warning"
-    text = "; ".join(failed) + HINT if failed else passed
+    text = "; ".join(failed) + SMALLER_SHARE_HINT if failed else passed
     yield compiled.result("variants run", not failed, text, largest_opening, MAX_OPENING)
     if rests:
         text = "they rest at home as the robot does"
-        text += f", except {name_list(moving)}{HINT}" if moving else ""
+        text += f", except {name_list(moving)}{SMALLER_SHARE_HINT}" if moving else ""
         yield compiled.result("variants rest", not moving, text, float(len(moving)), 0.0, level="warning")
 
 

@@ -64,15 +64,15 @@ def _differences(model: Any, actuator: Actuator, poses: Mapping[str, Configurati
         target = model.joint(driven).name if on_joint and driven >= 0 else "another thing"
         yield differs(element, "joint", target, actuator.dof)
     gear = float(model.actuator_gear[index][0])
-    if not _same(gear, actuator.gear):
+    if not _is_same_number(gear, actuator.gear):
         yield differs(element, "gear", gear, actuator.gear)
-    gains = [gain for gain in _gains(model, index, actuator) if not _same(*gain[1:])]
+    gains = [gain for gain in _gains(model, index, actuator) if not _is_same_number(*gain[1:])]
     # A gain is both in the force and in its bias: a single finding is enough.
     for attribute, number, goal in {gain[0]: gain for gain in reversed(gains)}.values():
         yield differs(element, attribute, number, goal)
     yield from _ranges(model, index, actuator, element)
     for name, pose in poses.items():
-        yield from _at_rest(model, index, actuator, name, pose[actuator.dof])
+        yield from _keyframe_differences(model, index, actuator, name, pose[actuator.dof])
 
 
 def _ranges(model: Any, index: int, actuator: Actuator, element: str) -> Iterator[Finding]:
@@ -89,11 +89,13 @@ def _ranges(model: Any, index: int, actuator: Actuator, element: str) -> Iterato
     ):
         if bool(limited) != (ends is not None) and not saturated:
             yield differs(element, attribute, numbers if limited else None, ends)
-        elif ends is not None and not all(map(_same, numbers, ends)):
+        elif ends is not None and not all(map(_is_same_number, numbers, ends)):
             yield differs(element, attribute, numbers, ends)
 
 
-def _at_rest(model: Any, index: int, actuator: Actuator, name: str, value: Value) -> Iterator[Finding]:
+def _keyframe_differences(
+    model: Any, index: int, actuator: Actuator, name: str, value: Value
+) -> Iterator[Finding]:
     """Compares the control and the state at a keyframe, with the dof at `value`. Only `home` must exist here:
     another check looks for the other keyframes."""
     key = keyframe_index(model, name)
@@ -108,11 +110,11 @@ def _at_rest(model: Any, index: int, actuator: Actuator, name: str, value: Value
     element = named("key", name)
     control = float(model.key_ctrl[key][controls_of(model, index).start]) if key >= 0 else np.nan
     expected = actuator.home if name == HOME else holding_control(actuator, value, force)
-    if not _same(control, expected):
+    if not _is_same_number(control, expected):
         yield Finding(element, "ctrl", f"of {actuator.name} is {shown(control)}, expected {shown(expected)}")
     if state and size == len(state) and key >= 0:
         activation = model.key_act[key][first : first + size]
-        if not all(map(_same, activation, state)):
+        if not all(map(_is_same_number, activation, state)):
             yield Finding(
                 element, "act", f"of {actuator.name} is {shown(activation)}, expected {shown(state)}"
             )
@@ -142,5 +144,5 @@ def _gains(model: Any, index: int, actuator: Actuator) -> list[tuple[str, float,
     ]
 
 
-def _same(value: float, expected: float) -> bool:
+def _is_same_number(value: float, expected: float) -> bool:
     return bool(abs(value - expected) <= ENGINE_TOLERANCE * max(1.0, abs(expected)))
