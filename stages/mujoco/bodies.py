@@ -1,5 +1,5 @@
-"""Converts whole bodies of a compiled model back to MJCF, with everything on and below them, and with the
-data of their shapes."""
+"""Converts whole bodies of a compiled model back to MJCF, with everything on and below them and with the data
+of their meshes and height fields."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -15,7 +15,7 @@ from linkwright.stages.robot.model.arrays import Array
 from linkwright.stages.robot.model.mjcf_extras import Attributes, MjcfElement
 from linkwright.stages.robot.model.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat
 
-_TYPES = {
+_JOINT_TYPES = {
     int(mujoco.mjtJoint.mjJNT_HINGE): "hinge",
     int(mujoco.mjtJoint.mjJNT_SLIDE): "slide",
     int(mujoco.mjtJoint.mjJNT_BALL): "ball",
@@ -26,9 +26,10 @@ CONVERTED_GEOM_TYPES = frozenset(
     int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}"))
     for kind in ("PLANE", "HFIELD", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX", "MESH")
 )
-"""Types of geoms that are converted: the others need a plug-in."""
+"""Types of geoms that are converted; others, such as those of a plug-in, are left out."""
 
 MESH, HFIELD = int(mujoco.mjtGeom.mjGEOM_MESH), int(mujoco.mjtGeom.mjGEOM_HFIELD)
+"""Types of geoms that have data: a mesh, a height field."""
 
 
 def placed(element: MjcfElement, pose: Array) -> MjcfElement:
@@ -41,12 +42,13 @@ def placed(element: MjcfElement, pose: Array) -> MjcfElement:
 
 
 def pose_of(position: Array, quat: Array) -> Array:
-    """Returns the pose (4, 4) of MuJoCo's position and quaternion."""
+    """Returns the pose (4, 4) of a position (3,) and a quaternion (w, x, y, z)."""
     return from_parts(rotation_from_quat(np.asarray(quat, dtype=float)), np.asarray(position, dtype=float))
 
 
 def light_pose(model: Any, index: int) -> Array:
-    """Returns a pose (4, 4) whose z axis is a light's `dir`."""
+    """Returns the pose (4, 4) of a light in its body. Its z axis is the direction of the light, and its x
+    axis is any."""
     z = np.asarray(model.light_dir[index], dtype=float)
     z = z / np.linalg.norm(z)
     x = np.cross(z, np.eye(3)[int(np.abs(z).argmin())])
@@ -55,18 +57,19 @@ def light_pose(model: Any, index: int) -> Array:
 
 
 class CompiledBodies:
-    """A converter of whole bodies. `keeps(body)`: whether a body is converted."""
+    """A converter of whole bodies."""
 
     def __init__(self, model: Any, keeps: Callable[[int], bool]) -> None:
+        """`keeps`: tells by the index of a body whether it is converted, with all bodies below it."""
         self._model = model
         self._keeps = keeps
         self.meshes: dict[int, str] = {}
-        """Index → name of each mesh of the converted geoms."""
+        """Index → name of each mesh of the geoms that were converted so far."""
         self.fields: dict[int, str] = {}
-        """Index → name of each height field of the converted geoms."""
+        """Index → name of each height field of the geoms that were converted so far."""
 
     def world(self) -> tuple[MjcfElement, ...]:
-        """Returns the elements on the world, and the bodies below it that are kept."""
+        """Returns the elements on the world, and the bodies below it that `keeps` accepts."""
         return (*self._on(0), *self._below(0))
 
     def _body(self, body: int) -> MjcfElement:
@@ -79,9 +82,10 @@ class CompiledBodies:
         return placed(element, pose_of(model.body_pos[body], model.body_quat[body]))
 
     def _below(self, body: int) -> Iterator[MjcfElement]:
-        for below in np.flatnonzero(self._model.body_parentid == body):
-            if below and self._keeps(int(below)):
-                yield self._body(int(below))
+        for child in np.flatnonzero(self._model.body_parentid == body):
+            # The world is its own parent.
+            if child and self._keeps(int(child)):
+                yield self._body(int(child))
 
     def _joints(self, body: int) -> Iterator[MjcfElement]:
         model = self._model
@@ -122,6 +126,7 @@ class CompiledBodies:
         asset: Attributes = (("mass", "0"),)
         if kind == MESH:
             name = self.meshes.setdefault(data, name_of(model, OBJ.mjOBJ_MESH, data) or f"mesh_{data}")
+            # The compiler moves a mesh to its principal axes, and its geoms the opposite way.
             pose = pose @ inverse(pose_of(model.mesh_pos[data], model.mesh_quat[data]))
             asset = (*asset, ("mesh", name))
         elif kind == HFIELD:
@@ -130,9 +135,9 @@ class CompiledBodies:
         return placed(MjcfElement("geom", (*element.attributes, *asset)), pose)
 
     def assets(self) -> tuple[MjcfElement, ...]:
-        """Returns the meshes and height fields of the converted geoms."""
-        meshes = (self._mesh(number, name) for number, name in sorted(self.meshes.items()))
-        fields = (self._field(number, name) for number, name in sorted(self.fields.items()))
+        """Returns the meshes and height fields of the geoms that were converted so far."""
+        meshes = (self._mesh(index, name) for index, name in sorted(self.meshes.items()))
+        fields = (self._field(index, name) for index, name in sorted(self.fields.items()))
         return (*meshes, *fields)
 
     def _mesh(self, mesh: int, name: str) -> MjcfElement:
@@ -155,7 +160,7 @@ class CompiledBodies:
         size = exact(float(number) for number in model.hfield_size[field])
         texts: Attributes = (("name", name), ("nrow", str(rows)), ("ncol", str(columns)), ("size", size))
         if heights.any():
-            # MuJoCo's first row is the last of the file.
+            # MuJoCo stores the rows in the reverse order of the attribute.
             text = " ".join(f"{number:.9g}" for number in heights[::-1].ravel().tolist())
             texts = (*texts, ("elevation", text))
         return MjcfElement("hfield", texts)
@@ -163,7 +168,7 @@ class CompiledBodies:
 
 def _joint_placement(model: Any, joint: int) -> Iterator[tuple[str, str]]:
     """Yields the name, type, position, range and references of a joint."""
-    name, kind = name_of(model, OBJ.mjOBJ_JOINT, joint), _TYPES[int(model.jnt_type[joint])]
+    name, kind = name_of(model, OBJ.mjOBJ_JOINT, joint), _JOINT_TYPES[int(model.jnt_type[joint])]
     if name:
         yield "name", name
     yield "type", kind

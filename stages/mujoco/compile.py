@@ -16,13 +16,13 @@ MAX_CACHE_SIZE = 20_000_000
 
 
 class NotCompiled(ValueError):
-    """An error of MuJoCo's compiler, with its message."""
+    """An error of a model that MuJoCo refuses, with MuJoCo's message."""
 
 
 @contextmanager
 def refusals(folder: Path | None = None) -> Iterator[None]:
-    """Raises NotCompiled for any exception of MuJoCo inside. The message lacks the path of the model's
-    `folder`, which tells nothing about the robot."""
+    """Raises NotCompiled in place of any exception of MuJoCo inside the context. The message lacks the path
+    of the model's `folder`, which says nothing about the robot."""
     try:
         yield
     except (ValueError, RuntimeError, SyntaxError, MemoryError, mujoco.FatalError) as error:
@@ -33,8 +33,8 @@ def refusals(folder: Path | None = None) -> Iterator[None]:
 
 
 def compiled_text(text: bytes, files: Mapping[str, bytes]) -> Any:
-    """Returns the model of an MJCF or URDF. `files`: the content of the files that it refers to, by path.
-    Raises NotCompiled if MuJoCo refuses it."""
+    """Returns the model of an MJCF or URDF. `files`: path → content of the files that it refers to. Raises
+    NotCompiled if MuJoCo refuses it."""
     with collected_warnings(), refusals():
         return mujoco.MjSpec.from_string(text.decode(), assets=dict(files)).compile()
 
@@ -53,8 +53,8 @@ def compiled_with_warnings(make: Callable[[], Any], folder: Path | None = None) 
 
 
 def compiled_and_rewritten(path: Path, files: Mapping[str, bytes]) -> tuple[Any, Any]:
-    """Returns the model of an MJCF, and the model of the MJCF that MuJoCo writes from it. `files`: the
-    content of the files that the MJCF refers to, by path. Raises NotCompiled if MuJoCo refuses either."""
+    """Returns the model of an MJCF, and the model of the MJCF that MuJoCo writes from it. `files`: path →
+    content of the files that the MJCF refers to. Raises NotCompiled if MuJoCo refuses either."""
     with deprecations([]), refusals():
         spec = spec_of_mjcf(path)
         first = spec.compile()
@@ -64,7 +64,8 @@ def compiled_and_rewritten(path: Path, files: Mapping[str, bytes]) -> tuple[Any,
 def spec_of(path: Path) -> Any:
     """Returns MuJoCo's spec of an MJCF or URDF in its folder.
 
-    A spec can be freed once it is compiled, while MuJoCo's own loader keeps the last file's meshes in memory.
+    A spec is freed after it is compiled, while MuJoCo's own loader keeps the meshes of the last file in
+    memory.
     """
     if path.suffix != ".urdf":
         return spec_of_mjcf(path)
@@ -72,7 +73,7 @@ def spec_of(path: Path) -> Any:
     root = parse(path.read_bytes())
     remove_package_prefixes(root)
     if not move_floating_joints_to_world(root):
-        # From its text, since MuJoCo 3.4.0 accepts only files that end in .xml.
+        # From the text, since MuJoCo 3.4.0 accepts only files whose names end in .xml.
         return spec_of_text(to_bytes(root), path.resolve().parent)
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
     return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes)
@@ -93,7 +94,7 @@ def spec_of_text(text: bytes, folder: Path) -> Any:
 
 def _bound_cache() -> None:
     """Limits MuJoCo's cache of processed meshes, which may take half a gigabyte by default. Versions of
-    MuJoCo without this function keep the default."""
+    MuJoCo without the function keep the default."""
     set_capacity = getattr(mujoco, "mj_setCacheCapacity", None)
     if set_capacity is not None:
         set_capacity(mujoco.mj_getCache(), MAX_CACHE_SIZE)

@@ -38,14 +38,14 @@ TAG_BY_OBJECT_TYPE = {
     int(OBJ.mjOBJ_TENDON): "tendon",
     int(OBJ.mjOBJ_ACTUATOR): "actuator",
 }
-"""MuJoCo's number of a kind of element → its tag, for kinds that other elements may refer to."""
+"""Kind of element (`mjtObj`) → its tag, for the kinds that other elements may refer to."""
 
 Reference = tuple[str, str, str]
-"""(attribute, tag and name of the element that it refers to)."""
+"""(attribute, tag of the element that it refers to, name of that element)."""
 
 
 def reference(model: Any, attribute: str, kind: Any, index: int) -> Reference:
-    """Returns an attribute that refers to the element of this kind and index."""
+    """Returns the reference of an attribute to the element of this kind (`mjtObj`) and index."""
     return attribute, TAG_BY_OBJECT_TYPE[int(kind)], name_of(model, kind, index)
 
 
@@ -57,7 +57,7 @@ def _name_attribute(model: Any, kind: Any, index: int) -> Attributes:
 def camera(model: Any, index: int) -> MjcfElement:
     """Returns a camera as an MJCF element, without its pose."""
     rows = attributes(model, CAMERA, index)
-    # A camera with a sensor has its field of view from the sensor and the focal length.
+    # MuJoCo derives the field of view of a camera with a sensor from its size and the focal length.
     if model.cam_sensorsize[index].any():
         intrinsics = [float(number) for number in model.cam_intrinsic[index]]
         rows = tuple(row for row in rows if row[0] not in ("fovy", "sensorsize"))
@@ -84,7 +84,8 @@ def site(model: Any, index: int) -> MjcfElement:
 
 
 def site_attributes(model: Any, index: int) -> Attributes:
-    """Returns the shape, colour and group of a site. The colour of a material becomes the site's own."""
+    """Returns the attributes of a site except its name and pose. The colour of its material becomes its
+    own."""
     rows = attributes(model, SITE, index)
     material = int(model.site_matid[index])
     has_default_colour = np.array_equal(model.site_rgba[index], bare().site_rgba[-1])
@@ -96,7 +97,8 @@ def site_attributes(model: Any, index: int) -> Attributes:
 
 
 def geom(model: Any, index: int) -> MjcfElement:
-    """Returns a geom as an MJCF element, without its pose, mass, and mesh or height field."""
+    """Returns a geom as an MJCF element, without its pose, its mass and the name of its mesh or height
+    field."""
     kind = int(model.geom_type[index])
     shape = [("type", GEOM_TYPES[kind])]
     if kind not in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
@@ -119,8 +121,8 @@ def geom(model: Any, index: int) -> MjcfElement:
 
 
 def geom_attributes(model: Any, index: int) -> Attributes:
-    """Returns the attributes of a geom besides its shape, contact and appearance, such as those for
-    fluids."""
+    """Returns the attributes of a geom besides its shape, contact and appearance, such as its model of fluid
+    forces."""
     fluid = model.geom_fluid[index]
     coefficients = _exact(fluid[1:6])
     fluid_attributes = (("fluidshape", "ellipsoid"), ("fluidcoef", coefficients)) if fluid[0] > 0 else ()
@@ -128,12 +130,12 @@ def geom_attributes(model: Any, index: int) -> Attributes:
 
 
 def _exact(values: Iterable[Any]) -> str:
-    """Returns numbers as a text with all digits."""
+    """Returns numbers as a text with as many digits as their values need."""
     return exact(float(value) for value in values)
 
 
 def _shortest(rgba: Any) -> str:
-    # A float32 is written with its own shortest digits: 0.2, not 0.20000000298.
+    # The shortest text of a float32 is 0.2, and that of the same double 0.20000000298.
     return exact(float(str(value)) for value in rgba)
 
 
@@ -155,8 +157,8 @@ def tendon(model: Any, index: int) -> MjcfElement:
 
 
 def _wrap(model: Any, index: int) -> MjcfElement:
-    """Returns a step of a tendon's path. Its value `wrap_prm` is the coefficient of a joint, the divisor of a
-    pulley, or the side site of a geom."""
+    """Returns an element of a tendon's path. Its number `wrap_prm` is the coefficient of a joint, the divisor
+    of a pulley, or the index of a geom's side site (-1 without one)."""
     kind, target, value = (getattr(model, f"wrap_{name}")[index] for name in ("type", "objid", "prm"))
     if kind == mujoco.mjtWrap.mjWRAP_JOINT:
         references = (reference(model, "joint", OBJ.mjOBJ_JOINT, target),)
@@ -178,16 +180,15 @@ _TARGETS_BY_TRANSMISSION = {
     int(mujoco.mjtTrn.mjTRN_BODY): (("body", OBJ.mjOBJ_BODY),),
     int(mujoco.mjtTrn.mjTRN_SLIDERCRANK): (("cranksite", OBJ.mjOBJ_SITE), ("slidersite", OBJ.mjOBJ_SITE)),
 }
-"""MuJoCo's number of a transmission → the attributes that refer to an actuator's targets."""
-
+"""Transmission of an actuator (`mjtTrn`) → its attributes that refer to targets, and the kinds of these."""
 
 _TYPE_ATTRIBUTES = ("dyntype", "gaintype", "biastype")
-"""Attributes of an actuator's types, which are always written."""
+"""Attributes of an actuator that are written even if they are MuJoCo's defaults."""
 
 
 def actuator(model: Any, index: int) -> MjcfElement | None:
-    """Returns an actuator as `<general>`, without a name. Returns None for a plug-in, and for types that only
-    some versions of MuJoCo have."""
+    """Returns an actuator as <general>, without a name; None for a plug-in, for several controls, and for
+    types that only some versions of MuJoCo have."""
     targets = _TARGETS_BY_TRANSMISSION.get(int(model.actuator_trntype[index]))
     if targets is None or model.actuator_plugin[index] >= 0 or len(controls_of(model, index)) != 1:
         return None
@@ -207,8 +208,8 @@ def actuator(model: Any, index: int) -> MjcfElement | None:
 
 
 def _length_range_and_states(model: Any, index: int) -> Iterator[tuple[str, str]]:
-    """Yields the range of lengths, which MuJoCo computes for muscles, and the number of states of a user's
-    dynamics."""
+    """Yields the range of lengths, which MuJoCo computes for muscles, and for dynamics of the type `user` the
+    number of states."""
     lengths = [float(length) for length in model.actuator_lengthrange[index]]
     if any(lengths):
         yield "lengthrange", exact(lengths)
@@ -217,12 +218,12 @@ def _length_range_and_states(model: Any, index: int) -> Iterator[tuple[str, str]
 
 
 def actuator_attributes(model: Any, index: int) -> Attributes:
-    """Returns the attributes of an actuator of any type besides its gains and ranges."""
+    """Returns the attributes that actuators of all types have, besides gains and ranges."""
     return attributes(model, ACTUATOR, index)
 
 
 def pair(model: Any, index: int) -> MjcfElement:
-    """Returns a pair of geoms that collide even if their contype and conaffinity exclude it."""
+    """Returns a <pair> of geoms, which collide whatever their contype and conaffinity are."""
     geoms = (("geom1", model.pair_geom1[index]), ("geom2", model.pair_geom2[index]))
     references = tuple(reference(model, attribute, OBJ.mjOBJ_GEOM, number) for attribute, number in geoms)
     # MuJoCo would derive these from the two geoms if they were missing.
@@ -232,16 +233,16 @@ def pair(model: Any, index: int) -> MjcfElement:
 
 
 def _relpose(data: Sequence[float]) -> list[float]:
-    """Returns the pose of the second body of a weld in the first. MuJoCo stores its anchor in both bodies,
-    the second's first, and the rotation between them."""
+    """Returns the position and quaternion of the second body of a weld in the first, from its `eq_data`: the
+    anchor in the second body, the anchor in the first, and the quaternion of the second body in the first."""
     first_from_second = rotation_from_quat(np.array(data[6:10]))
     return [*map(float, np.array(data[3:6]) - first_from_second @ data[:3]), *data[6:10]]
 
 
 def exclude(model: Any, index: int) -> MjcfElement:
-    """Returns a pair of bodies that do not collide."""
+    """Returns an <exclude> of two bodies, which do not collide."""
     signature = int(model.exclude_signature[index])
-    # MuJoCo packs both bodies into one number.
+    # MuJoCo stores both indices in a single number, the first in the upper bits.
     bodies = (("body1", signature >> 16), ("body2", signature & 0xFFFF))
     references = tuple(reference(model, attribute, OBJ.mjOBJ_BODY, number) for attribute, number in bodies)
     return MjcfElement("exclude", _name_attribute(model, OBJ.mjOBJ_EXCLUDE, index), references)
@@ -261,7 +262,7 @@ def equality(model: Any, index: int) -> MjcfElement | None:
         by_sites = int(model.eq_objtype[index]) == OBJ.mjOBJ_SITE
         tag, target_kind = ("site", OBJ.mjOBJ_SITE) if by_sites else ("body", OBJ.mjOBJ_BODY)
         if kind == mujoco.mjtEq.mjEQ_WELD:
-            # `eq_data` of a weld: both anchors, the rotation between the bodies, and the torque scale.
+            # `eq_data` of a weld: see `_relpose`; then the torque scale.
             rows.append(("torquescale", exact(data[10:11])))
             rows += [] if by_sites else [("anchor", exact(data[:3])), ("relpose", exact(_relpose(data)))]
         elif not by_sites:

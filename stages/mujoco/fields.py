@@ -1,10 +1,10 @@
 """Reads attributes of elements from the arrays of MuJoCo's model.
 
-An attribute is written if its value differs from that in a model without settings. Arrays that an older
-MuJoCo lacks are skipped.
+An attribute is read only if its value differs from that in a model with required attributes alone. Arrays
+that the installed MuJoCo lacks are skipped.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -23,7 +23,7 @@ _BARE = """<mujoco><worldbody><light/><camera/><geom name="floor" size="1"/>
 <contact><pair geom1="a" geom2="b"/></contact>
 <tendon><fixed><joint joint="a" coef="1"/></fixed></tendon>
 <actuator><general joint="a"/></actuator><sensor><clock/></sensor></mujoco>"""
-"""A model with required attributes only; the element of each kind is the last."""
+"""A model with required attributes only. The last element of each kind has MuJoCo's defaults."""
 
 
 @cache
@@ -40,23 +40,27 @@ class CompiledField:
     array: str
 
     words: Mapping[int, str] | None = None
-    """MuJoCo's number → the word, for an enumeration."""
+    """Value → word in MJCF, for an enumeration; None for numbers."""
 
     limited: str = ""
-    """The array that tells whether the attribute takes effect; "" if it always does."""
+    """The array that tells whether the attribute has an effect; "" if it always has."""
 
     more: str = ""
-    """The array with further numbers of the attribute; "" without such numbers."""
+    """The array with further numbers of the attribute; "" without such an array."""
 
 
 def _words(enum: str, prefix: str, only: Collection[str] | None = None) -> dict[int, str]:
+    """Returns value → word of an enumeration of MuJoCo whose members begin with `prefix`; `only`: the words
+    that are kept, None for all."""
     members: Mapping[str, Any] = getattr(mujoco, enum).__members__
     words = {int(value): name.removeprefix(prefix).lower() for name, value in members.items()}
     return {value: word for value, word in words.items() if only is None or word in only}
 
 
-_SWITCH = {0: "false", 1: "true"}
+_BOOLEANS = {0: "false", 1: "true"}
 _MODES = _words("mjtCamLight", "mjCAMLIGHT_")
+"""Value → word of the mode of a camera or light."""
+
 GEOM_TYPES = _words("mjtGeom", "mjGEOM_")
 
 JOINT = (
@@ -71,7 +75,7 @@ JOINT = (
     CompiledField("solimplimit", "jnt_solimp"),
     CompiledField("solreffriction", "dof_solref"),
     CompiledField("solimpfriction", "dof_solimp"),
-    CompiledField("actuatorgravcomp", "jnt_actgravcomp", _SWITCH),
+    CompiledField("actuatorgravcomp", "jnt_actgravcomp", _BOOLEANS),
     CompiledField("group", "jnt_group"),
     CompiledField("user", "jnt_user"),
 )
@@ -103,7 +107,7 @@ CONTACT = (
 GEOM = (
     CompiledField("adhesion", "geom_adhesion"),
     CompiledField("surfacevel", "geom_surfacevel"),
-    CompiledField("castshadow", "geom_castshadow", _SWITCH),
+    CompiledField("castshadow", "geom_castshadow", _BOOLEANS),
     CompiledField("user", "geom_user"),
 )
 """Fields of a geom, except its shape, contact and looks."""
@@ -114,7 +118,7 @@ CAMERA = (
     CompiledField("mode", "cam_mode", _MODES),
     CompiledField("fovy", "cam_fovy"),
     CompiledField("ipd", "cam_ipd"),
-    CompiledField("orthographic", "cam_orthographic", _SWITCH),
+    CompiledField("orthographic", "cam_orthographic", _BOOLEANS),
     CompiledField("projection", "cam_projection", {0: "perspective", 1: "orthographic"}),
     CompiledField("resolution", "cam_resolution"),
     CompiledField("user", "cam_user"),
@@ -123,11 +127,11 @@ CAMERA = (
 LIGHT = (
     CompiledField("mode", "light_mode", _MODES),
     CompiledField("type", "light_type", _words("mjtLightType", "mjLIGHT_")),
-    CompiledField("castshadow", "light_castshadow", _SWITCH),
+    CompiledField("castshadow", "light_castshadow", _BOOLEANS),
     CompiledField("bulbradius", "light_bulbradius"),
     CompiledField("intensity", "light_intensity"),
     CompiledField("range", "light_range"),
-    CompiledField("active", "light_active", _SWITCH),
+    CompiledField("active", "light_active", _BOOLEANS),
     CompiledField("attenuation", "light_attenuation"),
     CompiledField("cutoff", "light_cutoff"),
     CompiledField("exponent", "light_exponent"),
@@ -168,10 +172,10 @@ PAIR = (
     CompiledField("adhesion", "pair_adhesion"),
 )
 
-DYN = ("none", "integrator", "filter", "filterexact", "muscle", "user")
-GAIN = ("fixed", "affine", "muscle", "user")
-BIAS = ("none", "affine", "muscle", "user")
-"""Words of `<general>` that every version of MuJoCo has."""
+DYN_WORDS = ("none", "integrator", "filter", "filterexact", "muscle", "user")
+GAIN_WORDS = ("fixed", "affine", "muscle", "user")
+BIAS_WORDS = ("none", "affine", "muscle", "user")
+"""Words of the types of <general> that all versions of MuJoCo have."""
 
 ACTUATOR = (
     CompiledField("damping", "actuator_damping", more="actuator_dampingpoly"),
@@ -179,12 +183,12 @@ ACTUATOR = (
     CompiledField("group", "actuator_group"),
     CompiledField("user", "actuator_user"),
 )
-"""Fields of an actuator of any type."""
+"""Fields that actuators of all types have."""
 
 GENERAL = (
-    CompiledField("dyntype", "actuator_dyntype", _words("mjtDyn", "mjDYN_", DYN)),
-    CompiledField("gaintype", "actuator_gaintype", _words("mjtGain", "mjGAIN_", GAIN)),
-    CompiledField("biastype", "actuator_biastype", _words("mjtBias", "mjBIAS_", BIAS)),
+    CompiledField("dyntype", "actuator_dyntype", _words("mjtDyn", "mjDYN_", DYN_WORDS)),
+    CompiledField("gaintype", "actuator_gaintype", _words("mjtGain", "mjGAIN_", GAIN_WORDS)),
+    CompiledField("biastype", "actuator_biastype", _words("mjtBias", "mjBIAS_", BIAS_WORDS)),
     CompiledField("gear", "actuator_gear"),
     CompiledField("cranklength", "actuator_cranklength"),
     CompiledField("ctrlrange", "actuator_ctrlrange", limited="actuator_ctrllimited"),
@@ -193,7 +197,7 @@ GENERAL = (
     CompiledField("dynprm", "actuator_dynprm"),
     CompiledField("gainprm", "actuator_gainprm"),
     CompiledField("biasprm", "actuator_biasprm"),
-    CompiledField("actearly", "actuator_actearly", _SWITCH),
+    CompiledField("actearly", "actuator_actearly", _BOOLEANS),
     *ACTUATOR,
 )
 
@@ -212,15 +216,15 @@ ARRAYS = frozenset(
     for field in fields
     for array in (field.array, field.more)
 )
-"""All arrays of MuJoCo's model that this module reads."""
+"""All arrays of MuJoCo's model that hold values of these fields, and "" for fields without a second array."""
 
 
 def attributes(
     model: Any, fields: Sequence[CompiledField], index: int, always: Collection[str] = ()
 ) -> Attributes:
     """Returns the attributes of an element that differ from MuJoCo's defaults, and those in `always`.
-    `index`: the element's row in the arrays; for joints see `joint_attributes`, for actuators
-    `general_attributes`."""
+    `index`: the row of the element in all arrays. For joints use `joint_attributes`, and for the types of
+    actuators `general_attributes`."""
     return tuple(_attributes(model, fields, lambda array: index, always))
 
 
@@ -231,7 +235,7 @@ def joint_attributes(model: Any, joint: int, always: Collection[str] = ()) -> At
 
 
 def general_attributes(model: Any, actuator: int, always: Collection[str] = ()) -> Attributes:
-    """Returns the attributes of an actuator as `<general>`, with the range of its first control."""
+    """Returns the attributes of an actuator as <general>, with the range of its first control."""
     control = controls_of(model, actuator).start
 
     def row(array: str) -> int:
@@ -241,8 +245,9 @@ def general_attributes(model: Any, actuator: int, always: Collection[str] = ()) 
 
 
 def _attributes(
-    model: Any, fields: Sequence[CompiledField], row: Any, always: Collection[str]
+    model: Any, fields: Sequence[CompiledField], row: Callable[[str], int], always: Collection[str]
 ) -> Iterator[tuple[str, str]]:
+    """Yields the attributes of an element. `row`: tells the element's row in an array of this name."""
     for field in fields:
         if not hasattr(model, field.array) or (
             field.limited and not getattr(model, field.limited)[row(field.limited)]
@@ -250,6 +255,7 @@ def _attributes(
             continue
         values = _numbers(model, field, row(field.array))
         default = _numbers(bare(), field, -1)
+        # Values of another length than the default, such as `user`, are default if all are 0.
         is_default = np.array_equal(values, default) if values.shape == default.shape else not values.any()
         if not is_default or field.limited or field.attribute in always:
             text = _text(field, values, getattr(model, field.array).dtype == np.float32)
@@ -258,6 +264,8 @@ def _attributes(
 
 
 def _numbers(model: Any, field: CompiledField, index: int) -> Any:
+    """Returns the numbers of a field in a row of its array, then those of its array `more` up to the last
+    that is not 0."""
     values = np.ravel(getattr(model, field.array)[index])
     if field.more and hasattr(model, field.more):
         further = np.ravel(getattr(model, field.more)[index])
@@ -266,9 +274,9 @@ def _numbers(model: Any, field: CompiledField, index: int) -> Any:
     return values
 
 
-def _text(field: CompiledField, values: Any, single: bool) -> str | None:
-    """Returns the text of values; None for a word that only some versions of MuJoCo have."""
+def _text(field: CompiledField, values: Any, is_single: bool) -> str | None:
+    """Returns the text of values; None for a value without a word. `is_single`: whether they are float32."""
     if field.words is not None:
         return field.words.get(int(values[0]))
-    # A float32 is written with its own shortest digits: 0.8, not 0.800000011920929.
-    return exact(float(str(value)) if single else float(value) for value in values)
+    # The shortest text of a float32 is 0.8, and that of the same double 0.800000011920929.
+    return exact(float(str(value)) if is_single else float(value) for value in values)

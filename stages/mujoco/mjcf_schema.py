@@ -1,4 +1,4 @@
-"""Tells which elements and attributes of MJCF a version of MuJoCo accepts, by its own list."""
+"""Defines which elements and attributes of MJCF a version of MuJoCo accepts, by the schema that it prints."""
 
 import functools
 import re
@@ -7,39 +7,39 @@ from collections.abc import Collection, Mapping
 import mujoco
 
 Allowed = tuple[frozenset[str] | None, frozenset[str] | None]
-"""(attributes, children) that an element may have; None means any."""
+"""(attributes, tags of children) that an element may have; None means any."""
 
-_LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
+_ELEMENT_LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
+"""A line of the printed schema that begins an element: indentation, tag and attributes."""
 
-_FRAMES = frozenset(["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
+_POSE_ATTRIBUTES = frozenset(["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
 
-_CHILDREN_OF_ALL = frozenset({"include"})
-"""Elements that may be in every element."""
+_COMMON_CHILDREN = frozenset({"include"})
+"""Children that every element may have."""
 
-_STANDS_FOR = {"worldbody": "body", "frame": "body", "replicate": "body"}
-"""Element → the element whose children it may contain."""
+_LISTED_TAGS = {"worldbody": "body", "frame": "body", "replicate": "body"}
+"""Tag → the tag under which the schema lists the children of the element."""
 
 _CHILDREN_OF_BODIES = frozenset(["body", "frame", "replicate", "composite"])
-"""Children of a body that MuJoCo's list leaves out, or includes only by repetition."""
+"""Children of a body that the schema does not list, or implies by repetition."""
 
 _UNLISTED_ATTRIBUTES: dict[str, frozenset[str] | None] = {
     "worldbody": None,
-    "frame": _FRAMES | {"name", "childclass", "scale"},
-    "replicate": _FRAMES | {"count", "sep", "offset", "childclass", "name"},
+    "frame": _POSE_ATTRIBUTES | {"name", "childclass", "scale"},
+    "replicate": _POSE_ATTRIBUTES | {"count", "sep", "offset", "childclass", "name"},
     "composite": None,
 }
-"""Attributes of elements that MuJoCo's list leaves out; None means any."""
-
+"""Tag → attributes of elements that the schema does not list; None means any."""
 
 TagPath = tuple[str, ...]
 """The tags from the root to an element."""
 
 
 class MjcfSchema:
-    """The elements and attributes that a version of MuJoCo accepts. `listed`: the path of an element below
-    the root → its attributes."""
+    """The elements and attributes that a version of MuJoCo accepts."""
 
     def __init__(self, listed: Mapping[TagPath, Collection[str]]) -> None:
+        """`listed`: path of an element below the root → its attributes, as `listed()` returns them."""
         children: dict[TagPath, set[str]] = {}
         for path in listed:
             if path:
@@ -48,13 +48,13 @@ class MjcfSchema:
         children["body",] |= _CHILDREN_OF_BODIES
         children["default",] |= {"default"}
         self._by_path: dict[TagPath, Allowed] = {
-            path: (frozenset(attributes), frozenset(children.get(path, ())) | _CHILDREN_OF_ALL)
+            path: (frozenset(attributes), frozenset(children.get(path, ())) | _COMMON_CHILDREN)
             for path, attributes in listed.items()
         }
 
     def allowed(self, path: TagPath) -> Allowed:
-        """Returns the attributes and children that an element may have. `path`: the tags from the root to the
-        element."""
+        """Returns the attributes and children that an element may have; (None, None) for an unknown element.
+        `path`: the tags from the root to the element."""
         if "composite" in path[:-1] or "include" in path:
             return None, None
         attributes, children = self._by_path.get(_without_repetition(path), (None, None))
@@ -79,34 +79,36 @@ def installed() -> MjcfSchema:
 
 
 def _extra_attributes(tag: str) -> frozenset[str]:
-    """Returns the attributes of an element in a body that MuJoCo reads, but does not list."""
+    """Returns the attributes of an element in the world's body that MuJoCo reads, but does not list."""
     return frozenset({"childclass"}) if tag in ("body", "frame") else frozenset()
 
 
 def _without_repetition(path: TagPath) -> TagPath:
-    """Returns a path below the root without repetition: nested bodies count once, and so do nested
-    defaults."""
-    plain: list[str] = []
+    """Returns the path below the root under which the schema lists an element: nested bodies count once, and
+    so do nested defaults."""
+    listed_path: list[str] = []
     for tag in path[1:]:
-        name = _STANDS_FOR.get(tag, tag)
-        if not (plain and name == plain[-1] and name in ("body", "default")):
-            plain.append(name)
-    return tuple(plain)
+        name = _LISTED_TAGS.get(tag, tag)
+        if not (listed_path and name == listed_path[-1] and name in ("body", "default")):
+            listed_path.append(name)
+    return tuple(listed_path)
 
 
 def listed() -> dict[TagPath, set[str]]:
-    """Returns the attributes of each element by its path below the root, as `mj_printSchema` lists them."""
+    """Returns the attributes of each element by its path below the root, from the text of
+    `mj_printSchema`."""
     table: dict[TagPath, set[str]] = {}
     ancestors: list[str] = []
     path: TagPath = ()
     for line in mujoco.mj_printSchema(False, True).splitlines():
-        match = _LINE.match(line)
+        match = _ELEMENT_LINE.match(line)
         if match:
             level = len(match[1]) // 3
             name = {"(world)body": "body", "mujoco": ""}.get(match[2], match[2])
             ancestors[level:] = [name]
             path = tuple(ancestors[1:])
             table.setdefault(path, set()).update(match[3].split())
+        # Other lines continue the attributes of the last element.
         elif line.strip():
             table[path].update(line.split())
     return table

@@ -5,6 +5,7 @@ from typing import Any
 import mujoco
 
 OBJ = mujoco.mjtObj
+"""MuJoCo's kinds of elements."""
 
 _COUNTS = {
     OBJ.mjOBJ_BODY: "nbody",
@@ -12,7 +13,7 @@ _COUNTS = {
     OBJ.mjOBJ_GEOM: "ngeom",
     OBJ.mjOBJ_EQUALITY: "neq",
 }
-"""The field of MjModel that counts each kind of element."""
+"""Kind of element → the field of MjModel with the number of its elements."""
 
 
 def name_of(model: Any, kind: Any, index: int) -> str:
@@ -26,7 +27,8 @@ def index_of(model: Any, kind: Any, name: str) -> int:
 
 
 def names_of(model: Any, kind: Any, count: int) -> list[str]:
-    """Returns the names of the first `count` elements of this kind, "" for those without a name."""
+    """Returns the names of the first `count` elements of this kind (`mjtObj`), "" for those without a
+    name."""
     return [name_of(model, kind, index) for index in range(count)]
 
 
@@ -53,7 +55,7 @@ def actuator_count(model: Any) -> int:
 
 def controls_of(model: Any, actuator: int) -> range:
     """Returns the indices of an actuator's controls in `ctrl` and in the arrays of their ranges. Before
-    MuJoCo 3.14 an actuator has a single control, of its own index."""
+    MuJoCo 3.14 an actuator has a single control, which has the index of the actuator."""
     if not hasattr(model, "actuator_ctrladr"):
         return range(actuator, actuator + 1)
     first = int(model.actuator_ctrladr[actuator])
@@ -61,7 +63,8 @@ def controls_of(model: Any, actuator: int) -> range:
 
 
 def count_of(model: Any, kind: Any) -> int:
-    """Returns the number of elements of this kind (`mjtObj`), for the kinds in `_COUNTS` and actuators."""
+    """Returns the number of elements of this kind (`mjtObj`): bodies, joints, geoms, equalities or
+    actuators."""
     if kind == OBJ.mjOBJ_ACTUATOR:
         return actuator_count(model)
     return int(getattr(model, _COUNTS[OBJ(int(kind))]))

@@ -1,4 +1,4 @@
-"""Run as `python -m`: compiles and moves a model, and prints the version of MuJoCo."""
+"""Shows that MuJoCo works: `python -m` compiles and moves a model, and prints the version of MuJoCo."""
 
 import mujoco
 

@@ -1,4 +1,4 @@
-"""Returns the state of a model at one of its keyframes."""
+"""Makes the state of a model at a keyframe."""
 
 from typing import Any
 
@@ -11,12 +11,12 @@ def keyframe_index(model: Any, name: str) -> int:
 
 
 def at_keyframe(model: Any, name: str = "home") -> Any:
-    """Returns the data at a keyframe, with its controls; at qpos0 without a keyframe of this name."""
+    """Returns the data at the keyframe of this name, with its controls; at qpos0 without such a keyframe."""
     return at_keyframe_index(model, keyframe_index(model, name))
 
 
 def at_keyframe_index(model: Any, key: int) -> Any:
-    """Returns the data at the keyframe of this index; at qpos0 for -1."""
+    """Returns the data at the keyframe of this index, with its controls; at qpos0 for -1."""
     data = mujoco.MjData(model)
     if key >= 0:
         mujoco.mj_resetDataKeyframe(model, data, key)

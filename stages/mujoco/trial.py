@@ -1,4 +1,4 @@
-"""Simulates a robot's MuJoCo model in a trial run, which tells whether it stays stable and finite."""
+"""Simulates a model in a trial run, which shows whether it stays finite and its loops stay closed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,20 +16,20 @@ TRIAL_SECONDS = 2.0
 """Length of a trial run [s]."""
 
 MAX_OPENING = 1e-3
-"""Largest distance [m, rad] by which the equalities that close loops may open."""
+"""Largest error [m, rad] of the equalities that close loops."""
 
 MIN_IMPEDANCE = 0.999
-"""Smallest impedance of an equality that must hold. Exported equalities must; those of an MJCF source may be
-soft."""
+"""Smallest impedance of an equality that must hold. Exported equalities have more; those of an MJCF source
+may be soft."""
 
 MAX_WORK = 1e7
-"""Largest product of the steps and the square of the number of speeds: robots with more than 100 speeds run
-shorter."""
+"""Largest product of the number of steps and the square of the number of speeds. It shortens the trial runs
+of robots with many speeds: with 100 speeds there are at most 1000 steps."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The outcome of a trial run."""
+    """The result of a trial run."""
 
     failed: str
     """The failure in words; "" without a failure."""
@@ -48,16 +48,19 @@ class Trial:
 
     @property
     def joint(self) -> str:
-        """Returns the name of the joint where the failure began, or ""."""
+        """The name of the joint where the failure began; "" if it is unknown."""
         return self.joints[0] if self.joints else ""
 
 
 def trial_run(
     model: Any, seconds: float = TRIAL_SECONDS, opening: float = MAX_OPENING, start: Array | None = None
 ) -> Trial:
-    """Simulates a model at its own time step, from its keyframe `home` and with the controls there, or from
-    the positions `start`. The trial fails if MuJoCo warns, or if a loop opens by more than `opening` [m, rad]
-    and by more than twice its opening at the start."""
+    """Simulates a model at its own time step for `seconds` [s] or until it fails, and returns the result.
+
+    It starts from the keyframe `home` (else qpos0), with the controls there, and from the positions `start`
+    (nq,) if given. The trial fails if MuJoCo warns, or if the error of a loop is above `opening` [m, rad] and
+    above twice the largest error at the start.
+    """
     data = at_keyframe(model)
     if start is not None:
         data.qpos[:] = start
@@ -92,28 +95,28 @@ def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
 
 
 def _closing(model: Any) -> npt.NDArray[np.bool_]:
-    """Returns a mask of the equalities that are connects or welds and must hold; empty if none must."""
+    """Returns a mask (neq,) of the connects and welds that must hold; empty if there are none."""
     closes = np.isin(model.eq_type, (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD))
     closing: npt.NDArray[np.bool_] = closes & (model.eq_solimp[:, 1] >= MIN_IMPEDANCE)
     return closing if closing.any() else closing[:0]
 
 
-def _opening(data: Any, closes: npt.NDArray[np.bool_]) -> tuple[float, int]:
-    """Returns the largest error [m, rad] of the equalities in `closes`, and its index; -1 without such
-    equalities."""
-    if not len(closes) or not data.ne:
+def _opening(data: Any, closing: npt.NDArray[np.bool_]) -> tuple[float, int]:
+    """Returns the largest error [m, rad] of the equalities in the mask `closing`, and the index of that
+    equality; (0, -1) without such equalities."""
+    if not len(closing) or not data.ne:
         return 0.0, -1
-    # The rows of equalities come first.
+    # The rows of equalities are the first rows of constraints.
     equalities = data.efc_id[: data.ne]
-    closing = closes[equalities]
-    if not closing.any():
+    is_closing = closing[equalities]
+    if not is_closing.any():
         return 0.0, -1
-    squares = np.bincount(equalities[closing], data.efc_pos[: data.ne][closing] ** 2)
+    squares = np.bincount(equalities[is_closing], data.efc_pos[: data.ne][is_closing] ** 2)
     worst = int(squares.argmax())
     return float(np.sqrt(squares[worst])), worst
 
 
-_WARNINGS = {
+_FAILURES = {
     "mjWARN_BADQPOS": "its positions became infinite",
     "mjWARN_BADQVEL": "its speeds became infinite",
     "mjWARN_BADQACC": "its accelerations became infinite",
@@ -122,19 +125,22 @@ _WARNINGS = {
     "mjWARN_INERTIA": "its mass matrix is singular",
     "mjWARN_BADCTRL": "a control is not finite",
 }
+"""Warning of MuJoCo → the failure in words."""
 
 
 def _failure_text(warnings: Sequence[int]) -> str:
     names = [mujoco.mjtWarning(index).name for index in warnings]
-    return ", ".join(_WARNINGS.get(name, name) for name in names) or "its positions became infinite"
+    return ", ".join(_FAILURES.get(name, name) for name in names) or "its positions became infinite"
 
 
 def _joints(model: Any, data: Any, warnings: Sequence[int]) -> tuple[str, ...]:
-    """Returns the joint that MuJoCo names in the warning, or nothing."""
+    """Returns the name of the joint whose position, speed or acceleration is bad, by the first such warning;
+    () without one."""
     bad = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
     for index in warnings:
         if mujoco.mjtWarning(index).name not in bad:
             continue
+        # MuJoCo gives the index of a position, or that of a speed for the other warnings.
         number = int(data.warning[index].lastinfo)
         if mujoco.mjtWarning(index).name == "mjWARN_BADQPOS":
             number = int(model.jnt_dofadr[np.searchsorted(model.jnt_qposadr, number, side="right") - 1])
@@ -144,8 +150,8 @@ def _joints(model: Any, data: Any, warnings: Sequence[int]) -> tuple[str, ...]:
 
 
 def _loop_joints(model: Any, equality: int) -> tuple[str, ...]:
-    """Returns the joints on the loop that an equality closes: those above one of its bodies but not above
-    both, the nearest first."""
+    """Returns the names of the joints on the loop that an equality closes: those above only one of its
+    bodies, the nearest first."""
     ends = (int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality]))
     if model.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
         ends = (int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]]))
@@ -153,7 +159,7 @@ def _loop_joints(model: Any, equality: int) -> tuple[str, ...]:
     paths = [_path_to_world(model, end) for end in ends]
     for path in paths:
         for body in path:
-            if all(body in other for other in paths):
+            if all(body in each_path for each_path in paths):
                 break
             first = int(model.body_jntadr[body])
             for joint in range(first, first + int(model.body_jntnum[body])):
@@ -162,6 +168,7 @@ def _loop_joints(model: Any, equality: int) -> tuple[str, ...]:
 
 
 def _path_to_world(model: Any, body: int) -> list[int]:
+    """Returns a body and all bodies above it, up to the world."""
     path = []
     while body:
         path.append(body)

@@ -1,4 +1,4 @@
-"""Sets the fields of a variant in a compiled model, from which MuJoCo derives the other fields."""
+"""Sets the fields of a variant in a compiled model, and lets MuJoCo derive the others from them."""
 
 import copy
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.stages.formats.variants import KINDS, Variants
 from linkwright.stages.mujoco.names import OBJ, count_of, names_of
 
-_KINDS = {
+_OBJECT_BY_KIND = {
     "body": OBJ.mjOBJ_BODY,
     "joint": OBJ.mjOBJ_JOINT,
     "geom": OBJ.mjOBJ_GEOM,
@@ -19,7 +19,10 @@ _KINDS = {
 
 def names_in(model: Any) -> dict[str, tuple[str, ...]]:
     """Returns the names of a model's elements by kind, "" for those without a name."""
-    return {kind: tuple(names_of(model, _KINDS[kind], count_of(model, _KINDS[kind]))) for kind in KINDS}
+    return {
+        kind: tuple(names_of(model, _OBJECT_BY_KIND[kind], count_of(model, _OBJECT_BY_KIND[kind])))
+        for kind in KINDS
+    }
 
 
 def places(model: Any) -> Any:
@@ -28,8 +31,8 @@ def places(model: Any) -> Any:
 
 
 def misfit(model: Any, variants: Variants) -> str:
-    """Returns the first array, in words, that does not fit this model; "" if all fit. The model may have
-    further elements after those of the robot."""
+    """Returns the name of the first array, or pair of arrays, that does not fit this model; "" if all fit.
+    The model may have further elements after those of the robot."""
     names_of_model = names_in(model)
     for kind, names in variants.names.items():
         if kind != "geom" and names != names_of_model[kind][: len(names)]:
@@ -46,11 +49,12 @@ def misfit(model: Any, variants: Variants) -> str:
 
 
 def variant(model: Any, variants: Variants, number: int) -> Any:
-    """Returns a copy of the model as variant `number`."""
+    """Returns a copy of the model as the variant of the index `number`."""
     copied = copy.copy(model)
     for field, values in variants.fields.items():
         getattr(copied, field)[_rows(model, variants, field)] = values[number]
-    # MuJoCo uses shortcuts for elements in the frame of their body or of its mass, which no longer hold.
+    # These fields tell MuJoCo that an element has the frame of its body or of its mass. That may no longer
+    # hold.
     copied.body_sameframe[copied.body_simple == 0] = 0
     copied.geom_sameframe[:] = copied.site_sameframe[:] = 0
     mujoco.mj_setConst(copied, mujoco.MjData(copied))
@@ -58,8 +62,8 @@ def variant(model: Any, variants: Variants, number: int) -> Any:
 
 
 def _rows(model: Any, variants: Variants, field: str) -> Any:
-    """Returns the places of a field's values in the model, which may have further elements: a scene has more
-    geoms on the world."""
+    """Returns the rows of the model's array that hold a field's values. The model may have further rows: a
+    scene has more geoms on the world."""
     if field.startswith("geom_"):
         return model.body_geomadr[variants.geom_bodyid] + variants.geom_in_body
     return slice(len(variants.fields[field][0]))

@@ -4,16 +4,16 @@ from linkwright.stages.mujoco.state import at_keyframe
 
 
 class NoViewer(Exception):
-    """The error that the installed MuJoCo has no viewer."""
+    """An error of an installed MuJoCo without a viewer."""
 
 
 class NoWindow(Exception):
-    """The error that the viewer cannot open a window."""
+    """An error of a viewer that cannot open a window."""
 
 
 def show(scene: str) -> None:
-    """Opens the viewer with a scene, and returns when it is closed. Raises NoViewer or NoWindow with MuJoCo's
-    message if it cannot be opened."""
+    """Opens the viewer with the scene of this path, and returns when it is closed. Raises NoViewer or
+    NoWindow, with MuJoCo's message, if it cannot be opened."""
     try:
         # Late: it needs a window library, which may be missing.
         import mujoco.viewer

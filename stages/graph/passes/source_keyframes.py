@@ -135,7 +135,7 @@ def _closed_values(robot: Robot, values: Mapping[str, float]) -> dict[str, float
 def _coupled_groups(robot: Robot) -> list[set[str]]:
     """Returns groups of dofs that move together: by a loop, or by a relation."""
     groups = LoopGroups(robot)
-    coupled_names = [groups.moved_by(loop) for loop in robot.loops]
+    coupled_names = [groups.dofs_of(loop) for loop in robot.loops]
     coupled_names += [{relation.driver, relation.follower} for relation in robot.relations]
     merged: list[set[str]] = []
     for names in coupled_names:

@@ -1,4 +1,4 @@
-"""Finds adjacent links, whose contact means nothing, since joints hold them together."""
+"""Finds adjacent links, whose contact has no meaning, since joints hold them together."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -11,29 +11,32 @@ Pair = tuple[str, str]
 
 
 def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]:
-    """Returns the pairs of `colliding` links that never collide, in the order of the links:
+    """Returns the pairs of `colliding` links that are adjacent, in the order of the links. `colliding`: the
+    links with a collider. Adjacent are:
 
     - links that cannot move against each other: joined rigidly, or both fixed to the world;
-    - links joined by a joint or a loop, and the links joined rigidly to either; of links that are fixed to
-      the world only the link that has the joint, since the rest of a workplace is an obstacle;
-    - links on either side of a link without a collider, as if a joint connected them, or on either side of
-      any number of such links that are not seen either. Where more than two joints meet in such a link,
-      that holds between the link above it and each link below: two fingers of a hand without a collider are
-      not adjacent. A hand at the end of an arm of seen links without colliders is not adjacent to the link
-      that carries the arm.
+    - links that a joint or a loop connects, and the links joined rigidly to either. Of links that are fixed
+      to the world it is only the link with the joint, since the rest of a workplace is an obstacle;
+    - links that are connected through links without colliders, of which at most one is seen. A hand at the
+      end of an arm of several seen links without colliders is not adjacent to the link that carries the arm.
+      If more than two joints meet in a link without a collider, only the link above it is adjacent to the
+      links below: two fingers of a hand without a collider are not adjacent.
 
-    A free joint joins nothing.
+    A free joint does not connect links.
     """
     bodies = _bodies(robot)
-    solid = {bodies.of[link] for link in colliding}
+    solid = {bodies.body_of[link] for link in colliding}
     neighbours = {
-        (body, other) for body in solid for other in _neighbours(body, solid, bodies) if other != body
+        (body, neighbour)
+        for body in solid
+        for neighbour in _neighbours(body, solid, bodies)
+        if neighbour != body
     }
     colliding_links = set(colliding)
     order = [link.name for link in robot.links if link.name in colliding_links]
     members: dict[str, list[int]] = {}
     for place, link in enumerate(order):
-        members.setdefault(bodies.of[link], []).append(place)
+        members.setdefault(bodies.body_of[link], []).append(place)
     fixed = [place for body in bodies.fixed & members.keys() for place in members[body]]
     pairs = {tuple(sorted(pair)) for group in (fixed, *members.values()) for pair in combinations(group, 2)}
     pairs |= {
@@ -46,24 +49,26 @@ def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]
 
 @dataclass(frozen=True, slots=True)
 class _RigidBodies:
-    """Links grouped into rigid bodies, named by their first link. Each link fixed to the world is a body of
-    its own."""
+    """Links grouped into rigid bodies, which are named by their first link. Each link that is fixed to the
+    world is a body of its own."""
 
-    of: dict[str, str]
+    body_of: dict[str, str]
     """Link → body."""
     fixed: frozenset[str]
+    """Bodies that are fixed to the world."""
     seen: frozenset[str]
     """Bodies that have a mesh or a primitive."""
     edges: dict[str, list[tuple[int, str]]]
-    """Body → its connections: their number, and the body on the other side."""
-    above: dict[str, int]
-    """Body → number of the joint to its parent."""
+    """Body → its connections: (index of the connection, body on the other side)."""
+    parent_edges: dict[str, int]
+    """Body → index of the connection to its parent."""
 
 
 def _bodies(robot: Robot) -> _RigidBodies:
     root = robot.root.name
     body_of = {root: root}
     fixed = {root} if robot.base.fixed else set[str]()
+    # The two bodies of each joint and loop.
     connections: list[Pair] = []
     parent_edges: dict[str, int] = {}
     for joint in robot.joints:
@@ -91,25 +96,24 @@ def _bodies(robot: Robot) -> _RigidBodies:
 
 
 def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iterator[str]:
-    """Yields the bodies with a collider that are adjacent to this body, which may be among them."""
-    waiting = [(*edge, 0) for edge in bodies.edges[body]]
+    """Yields the bodies in `solid`, those with a collider, that are adjacent to this body; it may be among
+    them."""
+    # A step: the connection that leads to a body, the body, and the number of seen bodies before it.
+    steps = [(*edge, 0) for edge in bodies.edges[body]]
     visited: set[tuple[int, str, int]] = set()
-    while waiting:
-        came, other, passed = step = waiting.pop()
+    while steps:
+        entrance, current, seen_count = step = steps.pop()
         if step in visited:
             continue
         visited.add(step)
-        if other in solid:
-            yield other
+        if current in solid:
+            yield current
             continue
-        passed += other in bodies.seen
-        if passed > 1:
+        seen_count += current in bodies.seen
+        if seen_count > 1:
             continue
-        edges = bodies.edges[other]
-        over = bodies.above.get(other, -1)
-        onwards = [
-            candidate
-            for candidate in edges
-            if candidate[0] != came and (len(edges) == 2 or over in (came, candidate[0]))
-        ]
-        waiting += [(*candidate, passed) for candidate in onwards]
+        edges = bodies.edges[current]
+        to_parent = bodies.parent_edges.get(current, -1)
+        for exit_edge, neighbour in edges:
+            if exit_edge != entrance and (len(edges) == 2 or to_parent in (entrance, exit_edge)):
+                steps.append((exit_edge, neighbour, seen_count))

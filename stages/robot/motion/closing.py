@@ -1,4 +1,4 @@
-"""Finds configurations whose loops are closed, within limits and by the relations.
+"""Finds configurations with closed loops that are within the limits and satisfy the relations.
 
 Gauss-Newton steps on the closure of all loops, whose Jacobian is that of the twists on both paths to each
 loop's frames (Siciliano et al., "Robotics", 3.1 and 3.5: the closest step to a target step by the damped
@@ -27,33 +27,37 @@ from linkwright.stages.robot.motion.pose_batch import (
 from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 _DAMPING = 1e-10
-"""The damping, as a share of the mean square of the Jacobian's rows: dependent conditions do not count."""
+"""The damping, as a share of the mean square of the Jacobian's rows, by which dependent conditions do no
+harm."""
 
 _MAX_STEPS = 30
-"""Largest number of steps in which configurations near a closed configuration close."""
+"""Largest number of steps to a closed configuration nearby."""
 
 _CLOSED_MOVEMENT, _OPEN_MOVEMENT = 1e-13, 1e-2
-"""Largest movement [rad, m] of the last step to a closed configuration, and of late steps that may still lead
-to one."""
+"""Largest movement [rad, m] in the last step to a closed configuration, and in a late step that may still
+lead to one."""
 
 
 class Closer:
-    """The dofs on which a robot's loops depend, and steps that close the loops with them.
+    """A solver that closes the loops of a robot by moving the dofs on which they depend.
 
-    Followers are moved with their drivers. A dof that is `held` keeps its value.
+    Followers move with their drivers. The dofs in `held` keep their values.
     """
 
     def __init__(self, robot: Robot, held: Collection[str] = ()) -> None:
         self._relations = robot.relations
         self._loops = tuple(sorted(robot.loops, key=lambda loop: loop.name))
         paths = TreePaths(robot)
-        self._ways = tuple(paths.of_loop(loop) for loop in self._loops)
+        self._paths = tuple(paths.of_loop(loop) for loop in self._loops)
         ends = {end for loop in self._loops for end in (loop.link_a, loop.link_b)}
         self._top, self._joints = paths.tree_of(sorted(ends)) if ends else (robot.root.name, [])
         drivers = {relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations}
+        # Dof → (its driver or itself, multiplier).
         self._share = {dof.name: drivers.get(dof.name, (dof.name, 1.0)) for dof in robot.dofs}
         self._share |= {dof.name: (dof.name, 1.0) for loop in self._loops for dof in loop.dofs}
-        kinds = {dof.name: dof.kind for dof in (*robot.dofs, *(d for loop in robot.loops for d in loop.dofs))}
+        kinds = {
+            dof.name: dof.kind for dof in (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
+        }
         names = {self._share[dof.name][0] for _, dof in self._moving()} - set(held)
         self._kinds = {name: kinds[name] for name in sorted(names) if kinds[name] != "free"}
         starts = np.cumsum([0, *(3 if kind == "ball" else 1 for kind in self._kinds.values())])
@@ -71,29 +75,30 @@ class Closer:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The dofs that are moved, except followers."""
+        """The dofs that the solver moves, except followers."""
         return tuple(self._kinds)
 
     @property
     def columns(self) -> Mapping[str, slice]:
-        """The columns of `jacobian` by the dofs that are moved: one for each dof, three for a ball."""
+        """The columns of `jacobian` of each dof in `names`: one for a turn or slide, three for a ball."""
         return self._columns
 
     @property
     def scales(self) -> Array:
-        """The range (size,) [rad or m] of each column, or a whole turn or a metre where a side is open."""
+        """The length (size,) [rad or m] of the range of each column's dof; a whole turn or a metre if a side
+        is open."""
         return self._scales
 
     def jacobian(self, values: Values) -> Array:
-        """Returns the derivative (n, 6 L, size) of the gaps between the loops' frames: it maps the speeds of
-        the dofs that keep the loops closed to zero. Followers count with their drivers."""
+        """Returns the derivative (n, 6 L, size) of the gaps of the L loops by the columns' values, in which
+        followers move with their drivers. It maps speeds that keep the loops closed to zero."""
         return self._conditions(values)[1]
 
     def settled(
         self, values: Values, patience: int = _MAX_STEPS
     ) -> tuple[dict[str, Array], npt.NDArray[np.bool_]]:
-        """Returns the nearest configurations with closed loops, and whether each (n,) is closed. After
-        `patience` steps those that still move far are given up."""
+        """Returns configurations near `values` whose loops are closed where that is possible, and whether
+        (n,) the loops of each are. After `patience` steps those that still move far are given up."""
         current = dict(values)
         for step in range(_MAX_STEPS):
             current, moved = self._step(current, None, 1.0)
@@ -106,17 +111,16 @@ class Closer:
         return current, (distances <= allowed).all(axis=1)
 
     def towards(self, values: Values, target: Values, steps: int) -> dict[str, Array]:
-        """Returns closed configurations as near to the target as closed loops allow, reached in small steps:
-        so mechanisms do not fold the other way."""
+        """Returns configurations as near to the target as closed loops allow. They are reached from `values`
+        in small steps, so that a mechanism does not fold the other way."""
         current = dict(values)
         for step in range(steps):
             current, _ = self._step(current, target, 1.0 / (steps - step))
         return current
 
     def nearest(self, values: Values, target: Values, steps: int = 200) -> dict[str, Array]:
-        """Returns the configurations with closed loops that are nearest to the target, reached from `values`.
-        The distance is the sum of squares over the dofs, each as a share of its range; if a side is open, of
-        a whole turn or a metre."""
+        """Returns the configurations with closed loops that are nearest to the target, reached from `values`
+        in at most `steps` steps. The distance is the sum of squares over the dofs, in units of `scales`."""
         current = dict(values)
         for _ in range(steps):
             current, moved = self._step(current, target, 1.0)
@@ -125,41 +129,47 @@ class Closer:
         return current
 
     def _step(self, values: Values, target: Values | None, share: float) -> tuple[dict[str, Array], Array]:
-        """Returns a step, by `share` of the distance to the target, and the largest movement (n,) [rad, m] of
-        each."""
+        """Returns the configurations after a step that closes the loops and goes `share` of the way to the
+        target, and the largest movement (n,) [rad, m] in each. Without a target the step only closes the
+        loops."""
         gaps, jacobian = self._conditions(values)
         target_step = np.zeros((len(gaps), self._size))
         if target is not None:
             for name, part in self._columns.items():
                 target_step[:, part] = share * self._difference(name, values[name], target[name])
-        total_step = np.zeros_like(target_step)
+        # A ball has no limits here, so its values stay zero.
+        positions = np.zeros_like(target_step)
         for name, part in self._columns.items():
             if self._kinds[name] != "ball":
-                total_step[:, part] = values[name][:, None]
+                positions[:, part] = values[name][:, None]
         low, high = self._bounds.T
         step = self._closest(jacobian, gaps, target_step)
-        stopped = (total_step + step < low) | (total_step + step > high)
+        stopped = (positions + step < low) | (positions + step > high)
         if stopped.any():
-            stopped_step = np.where(stopped, np.clip(total_step + step, low, high) - total_step, 0.0)
+            # Dofs that would pass a limit stop there, and the others close the loops without them.
+            stopped_step = np.where(stopped, np.clip(positions + step, low, high) - positions, 0.0)
             gaps = gaps + np.einsum("nij,nj->ni", jacobian, stopped_step)
             free = jacobian * ~stopped[:, None, :]
             step = np.where(
                 stopped, stopped_step, self._closest(free, gaps, np.where(stopped, 0.0, target_step))
             )
-            step = np.clip(total_step + step, low, high) - total_step
+            step = np.clip(positions + step, low, high) - positions
         return self._apply_step(values, step), np.abs(step).max(axis=1, initial=0.0)
 
     def _closest(self, jacobian: Array, gaps: Array, target_step: Array) -> Array:
-        """Returns the closest steps, measured in shares of the ranges."""
+        """Returns the steps (n, size) that close the gaps and are nearest to the target steps, in units of
+        `scales`."""
         scales = self._scales
         steps: Array = _closest(jacobian * scales, gaps, target_step / scales) * scales
         return steps
 
     def _difference(self, name: str, value: Array, target: Array) -> Array:
+        """Returns the step (n, 1), for a ball the rotation vector (n, 3), from a dof's values to the
+        target."""
         if self._kinds[name] != "ball":
             return (target - value)[:, None]
-        back = value * [1, -1, -1, -1]
-        return vectors_from_rotations(rotations_from_quats(quat_products(back, target)))
+        conjugate = value * [1, -1, -1, -1]
+        return vectors_from_rotations(rotations_from_quats(quat_products(conjugate, target)))
 
     def _apply_step(self, values: Values, step: Array) -> dict[str, Array]:
         moved_values = dict(values)
@@ -175,8 +185,9 @@ class Closer:
         return moved_values
 
     def _conditions(self, values: Values) -> tuple[Array, Array]:
-        """Returns the gaps between the loops' frames (n, 6 L), and their derivative (n, 6 L, size). A gap is
-        a shift [m] and a turn [rad], in the axes of the link where all paths to the loops meet."""
+        """Returns the gaps (n, 6 L) between the frames of the L loops, and their derivative (n, 6 L, size). A
+        gap is a shift [m] and a rotation vector [rad], in the axes of the link where all paths to the loops
+        meet."""
         poses, frames = poses_and_frames(self._top, self._joints, values)
         ends = []
         for loop in self._loops:
@@ -199,8 +210,9 @@ class Closer:
         return gaps, jacobian
 
     def _moving(self) -> Iterator[tuple[tuple[int, int], Dof]]:
-        """Yields the index of a loop, the sign of its frame, and a dof by which that frame moves."""
-        for index, (loop, (to_a, to_b)) in enumerate(zip(self._loops, self._ways, strict=True)):
+        """Yields ((index of a loop, sign), dof) for each dof that moves a frame of a loop: the sign is 1 for
+        the frame on `link_a`, and -1 for the frame on `link_b`."""
+        for index, (loop, (to_a, to_b)) in enumerate(zip(self._loops, self._paths, strict=True)):
             for sign, path in ((1, to_a), (-1, to_b)):
                 for joint in path:
                     yield from (((index, sign), dof) for dof in joint.dofs)
@@ -208,15 +220,17 @@ class Closer:
 
 
 def _scale(kind: DofKind, low: float, high: float) -> float:
-    """Returns a dof's range [rad or m], or a substitute where a side is open."""
+    """Returns the length of a dof's range [rad or m]; a whole turn or a metre if a side is open or the range
+    is empty."""
     if 0.0 < high - low < np.inf:
         return high - low
     return 1.0 if kind == "slide" else 2.0 * np.pi
 
 
 def _twists(dof: Dof, frame: Array, moved_frame: Array, point: Array) -> Array:
-    """Returns the twists (n, 6, 1), for a ball (n, 6, 3), of unit speeds of a dof. A twist is the velocity of
-    `point` (n, 3) and the angular velocity, in the axes of these poses."""
+    """Returns the twists (n, 6, 1), for a ball (n, 6, 3), at unit speeds of a dof that moves its frame from
+    `frame` to `moved_frame` (n, 4, 4). A twist is the velocity of `point` (n, 3), then the angular
+    velocity."""
     if dof.kind == "slide":
         axis = frame[:, :3, :3] @ dof.axis
         return np.concatenate([axis, np.zeros_like(axis)], axis=1)[:, :, None]
@@ -229,9 +243,9 @@ def _twists(dof: Dof, frame: Array, moved_frame: Array, point: Array) -> Array:
 
 
 def _closest(jacobian: Array, gaps: Array, target_step: Array) -> Array:
-    """Returns the steps (n, size) nearest to the target steps that take `gaps` (n, m) away, to first
-    order."""
-    # J Jᵀ is singular where conditions depend on each other, so it is damped; the constant serves J = 0.
+    """Returns the steps (n, size) that close `gaps` (n, m) to first order and are nearest to the target
+    steps."""
+    # J Jᵀ is singular if conditions depend on each other, so it is damped; the constant is for J = 0.
     square = jacobian @ np.swapaxes(jacobian, 1, 2)
     rows = square.shape[1]
     damped = _DAMPING * np.trace(square, axis1=1, axis2=2) / max(rows, 1) + 1e-30

@@ -1,4 +1,5 @@
-"""Finds the dofs that move together, by relations and closed loops, and can be driven at once.
+"""Finds the dofs that move together by relations and closed loops, and those that can be driven
+independently.
 
 In closed loops the speeds q̇ satisfy J q̇ = 0. With some of the dofs driven, the others follow them:
 q̇ₚ = −Jₚ⁺ J_d q̇_d (Featherstone, "Rigid Body Dynamics Algorithms", 8.2: the null space as a map from
@@ -15,19 +16,22 @@ from linkwright.stages.robot.motion.closing import Closer
 from linkwright.stages.robot.motion.pose_batch import Values, count_of
 
 RANK_TOLERANCE = 1e-6
-"""Singular values below this share of the largest count as zero: poses close to about 1e-8."""
+"""Share of the largest singular value below which a singular value counts as zero. Loops are closed to about
+1e-8."""
 
 SINGULAR_RATIO = 10.0
-"""A pose is near a singular pose if its least singular value is this many times smaller than elsewhere."""
+"""A pose is near a singular pose if its least singular value, times this ratio, is below that of another
+pose."""
 
 Rates = Mapping[str, Array]
-"""Dof → its speeds (n, 1), for a ball (n, 3), at a unit speed of a driver."""
+"""Dof → its speeds (n, 1), for a ball (n, 3), at a unit speed of a driven dof."""
 
 
 class Couplings:
-    """A robot's couplings at configurations (n) whose loops are closed."""
+    """The couplings of a robot at n configurations."""
 
     def __init__(self, robot: Robot, values: Values) -> None:
+        """`values`: configurations with closed loops."""
         shares = {relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations}
         self._count = count_of(values)
         self._shares = shares
@@ -53,62 +57,66 @@ class Couplings:
         return self.in_loops | self._shares.keys() | self._followers.keys()
 
     def independent(self, dofs: Iterable[str]) -> tuple[str, ...]:
-        """Returns as many of the dofs as move independently of each other; earlier dofs are preferred."""
+        """Returns the largest choice of these dofs that move independently of each other; earlier dofs are
+        preferred. A dof that follows another with the multiplier 0 is never chosen."""
         chosen: list[str] = []
         drivers: set[str] = set()
         motions = self._motions()
         rows: list[int] = []
+        # Rows of `motions` belong to the columns of the Jacobian.
         for dof in dofs:
             driver, multiplier = self._shares.get(dof, (dof, 1.0))
             if driver in drivers or multiplier == 0.0:
                 continue
             if driver in self._columns:
-                columns = [*rows, self._columns[driver].start]
-                # The basis has unit columns: singular values below this share are rounding.
-                if np.linalg.matrix_rank(motions[columns], tol=RANK_TOLERANCE) < len(columns):
+                more_rows = [*rows, self._columns[driver].start]
+                # The basis is orthonormal, so the tolerance needs no scale.
+                if np.linalg.matrix_rank(motions[more_rows], tol=RANK_TOLERANCE) < len(more_rows):
                     continue
-                rows = columns
+                rows = more_rows
             drivers.add(driver)
             chosen.append(dof)
         return tuple(chosen)
 
     def _motions(self) -> Array:
-        """Returns an orthonormal basis (size, k) of the speeds that keep the loops closed. It is that of the
-        configuration with the fewest such speeds: others may be singular, with speeds that lead nowhere."""
-        best = np.zeros((self._jacobian.shape[2], 0))
-        for count, jacobian in enumerate(self._jacobian):
-            _, sizes, across = np.linalg.svd(jacobian)
-            rank = int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
-            if not count or len(across) - rank < best.shape[1]:
-                best = across[rank:].T
-        return best
+        """Returns an orthonormal basis (size, k) of the speeds that keep the loops closed, at the
+        configuration with the fewest such speeds. Other configurations may be singular and have speeds that
+        lead nowhere."""
+        basis = np.zeros((self._jacobian.shape[2], 0))
+        for index, jacobian in enumerate(self._jacobian):
+            _, singular_values, right_vectors = np.linalg.svd(jacobian)
+            largest = max(1.0, float(singular_values.max(initial=0.0)))
+            rank = int((singular_values > RANK_TOLERANCE * largest).sum())
+            if index == 0 or len(right_vectors) - rank < basis.shape[1]:
+                basis = right_vectors[rank:].T
+        return basis
 
     def near_singular(self, driven: Sequence[str]) -> dict[str, npt.NDArray[np.bool_]]:
-        """Returns by driven dof of a loop whether its mechanism is near a singular pose, at each
-        configuration (n,). There followers can move although the drivers rest, so a driver has an unbounded
-        leverage (Gosselin and Angeles, "Singularity analysis of closed-loop kinematic chains", 1990: the
-        second kind).
+        """Returns for each driven dof of a loop whether (n,) its mechanism is near a singular pose. There the
+        other dofs can move although the driven dofs rest, so that these have an unbounded leverage (Gosselin
+        and Angeles, "Singularity analysis of closed-loop kinematic chains", 1990: the second kind).
 
-        The measure is the least singular value of the Jacobian of the followers, in shares of the ranges.
+        The measure is the least singular value of the Jacobian by the other dofs, in units of
+        `Closer.scales`.
         """
         drivers = {dof: self._shares.get(dof, (dof, 1.0))[0] for dof in driven}
         driver_columns = {
             self._columns[driver].start for driver in drivers.values() if driver in self._columns
         }
-        near_by_row: dict[int, npt.NDArray[np.bool_]] = {}
+        is_near_by_column: dict[int, npt.NDArray[np.bool_]] = {}
         for rows, columns in self._mechanisms():
             rest = [column for column in columns if column not in driver_columns]
             block = self._jacobian[:, rows][:, :, rest] * self._scales[rest]
-            sizes = np.linalg.svd(block, compute_uv=False)
-            ranks = (sizes > RANK_TOLERANCE * sizes.max(initial=0.0)).sum(axis=1)
+            singular_values = np.linalg.svd(block, compute_uv=False)
+            ranks = (singular_values > RANK_TOLERANCE * singular_values.max(initial=0.0)).sum(axis=1)
             if not ranks.max(initial=0):
                 continue
-            least = sizes[:, ranks.max() - 1]
-            near_by_row |= dict.fromkeys(columns, least * SINGULAR_RATIO < least.max())
+            least = singular_values[:, ranks.max() - 1]
+            is_near_by_column |= dict.fromkeys(columns, least * SINGULAR_RATIO < least.max())
         starts = {
             dof: self._columns[driver].start for dof, driver in drivers.items() if driver in self._columns
         }
-        return {dof: near_by_row[start] for dof, start in starts.items() if start in near_by_row}
+        return {dof: is_near_by_column[start] for dof, start in starts.items() if start in is_near_by_column}
 
     def _mechanisms(self) -> list[tuple[list[int], list[int]]]:
         """Returns the rows and the columns of the Jacobian of each group of loops that share a dof."""
@@ -123,33 +131,34 @@ class Couplings:
         return [(rows, sorted(columns)) for rows, columns in groups]
 
     def moved_by(self, driven: Sequence[str]) -> dict[str, Rates]:
-        """Returns the speeds of all dofs that move with each driven dof, itself included, while the other
-        driven dofs rest."""
+        """Returns by driven dof the speeds of all dofs that move with it, its own included, at its unit speed
+        while the other driven dofs rest."""
         drivers = {dof: self._shares.get(dof, (dof, 1.0)) for dof in driven}
         inside = [driver for driver, _ in drivers.values() if driver in self._columns]
         driver_columns = [self._columns[driver].start for driver in inside]
         rest = [column for column in range(self._jacobian.shape[2]) if column not in driver_columns]
-        answers = np.zeros((self._count, len(rest), len(driver_columns)))
+        responses = np.zeros((self._count, len(rest), len(driver_columns)))
         if driver_columns and rest:
-            back = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK_TOLERANCE)
-            answers = -back @ self._jacobian[:, :, driver_columns]
+            inverses = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK_TOLERANCE)
+            responses = -inverses @ self._jacobian[:, :, driver_columns]
         rates_by_driver: dict[str, Rates] = {}
         for dof, (driver, multiplier) in drivers.items():
             rates = {driver: np.ones((self._count, 1))}
             if driver in self._columns:
                 columns = np.zeros((self._count, self._jacobian.shape[2]))
-                columns[:, rest] = answers[:, :, inside.index(driver)]
+                columns[:, rest] = responses[:, :, inside.index(driver)]
                 columns[:, self._columns[driver]] = 1.0
                 rates = {name: columns[:, part] for name, part in self._columns.items()}
             for name, speeds in list(rates.items()):
                 rates |= {follower: factor * speeds for follower, factor in self._followers.get(name, ())}
+            # At a unit speed of the dof itself, and not of its driver.
             rates_by_driver[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
         return rates_by_driver
 
 
 def nearest_first(robot: Robot) -> list[str]:
-    """Returns the names of the tree's dofs, those nearest to the root first; at the same depth, those that
-    move the most mass first."""
+    """Returns the names of the tree's dofs, the nearest to the root first; at the same depth those that move
+    the most mass first, else in the order of the joints."""
     depth = {robot.root.name: 0}
     order: dict[str, tuple[int, float, int]] = {}
     masses = {link.name: link.inertial.mass for link in robot.links}

@@ -1,4 +1,4 @@
-"""Computes the ranges of dofs: their own limits, and by the relations those of other dofs."""
+"""Computes the ranges of dofs, from their own limits and by the relations from those of other dofs."""
 
 import math
 
@@ -9,9 +9,9 @@ def ranges(robot: Robot) -> dict[str, tuple[float, float]]:
     """Returns the range (lowest, highest) [rad or m] of each turn and slide of the tree and of the loops; an
     open end is infinite.
 
-    A driver's range is that in which its own limits and those of all its followers hold, and a follower's
-    results from its driver's. Where the limits exclude each other, the driver's own hold, and its range is a
-    single value.
+    In the range of a driver its own limits and those of all its followers hold; the range of a follower
+    results from that of its driver. If the limits exclude each other, the range of the driver is a single
+    value within its own limits.
     """
     dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
     intervals = {dof.name: dof.limits.interval for dof in dofs if dof.kind in ("turn", "slide")}
@@ -33,13 +33,14 @@ def ranges(robot: Robot) -> dict[str, tuple[float, float]]:
     return intervals
 
 
-def _driver_range(relation: Relation, follower: tuple[float, float]) -> tuple[float, float]:
-    """Returns the driver's values at which the follower is within its limits."""
+def _driver_range(relation: Relation, follower_limits: tuple[float, float]) -> tuple[float, float]:
+    """Returns the lowest and the highest value of the driver at which the follower is within its limits."""
     if relation.multiplier == 0.0:
         return -math.inf, math.inf
-    ends = sorted((end - relation.offset) / relation.multiplier for end in follower)
+    ends = sorted((end - relation.offset) / relation.multiplier for end in follower_limits)
     return ends[0], ends[1]
 
 
 def _times(factor: float, end: float) -> float:
+    # 0 times an open end would be NaN.
     return 0.0 if factor == 0.0 else factor * end

@@ -9,7 +9,7 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Robot
 
 
 def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:
-    """Returns root_from_link (4, 4) of every link at the values `q`; missing values are 0 (no motion)."""
+    """Returns root_from_link (4, 4) of every link at the values `q`; dofs without a value are at rest."""
     poses: dict[str, Array] = {robot.root.name: np.eye(4)}
     for joint in robot.joints:
         poses[joint.child] = poses[joint.parent] @ joint.parent_from_joint @ chain(joint.dofs, q or {})
@@ -17,7 +17,8 @@ def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]
 
 
 def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
-    """Returns before_from_after (4, 4) of a chain of dofs at the values `q`; missing values are 0."""
+    """Returns the pose (4, 4) of the end of a chain of dofs in the frame of its beginning, at the values `q`;
+    dofs without a value are at rest."""
     pose: Array = UNMOVED
     for dof in dofs:
         pose = pose @ dof.origin @ motion(dof.kind, dof.axis, q.get(dof.name, at_rest(dof.kind)))
@@ -25,10 +26,10 @@ def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
 
 
 def saved_configuration(robot: Robot) -> Configuration:
-    """Returns the values of the saved pose."""
+    """Returns the values of the tree's dofs at the saved pose."""
     return {dof.name: dof.saved for dof in robot.dofs}
 
 
 def rest_configuration(robot: Robot) -> Configuration:
-    """Returns the configuration in which every value is zero: no motion."""
+    """Returns the values of the tree's dofs at which no dof moves its frame."""
     return {dof.name: at_rest(dof.kind) for dof in robot.dofs}

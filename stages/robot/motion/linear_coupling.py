@@ -1,11 +1,12 @@
-"""Describes a dof that closed loops make follow another dof, approximated by a straight line."""
+"""Describes how a dof follows another dof because of closed loops, as a straight line."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class LinearCoupling:
-    """follower ≈ multiplier · driver + offset wherever the loops are closed, by the names of dofs."""
+    """The rule follower ≈ multiplier · driver + offset [rad or m], which holds while the loops are closed;
+    both are names of dofs."""
 
     follower: str
     driver: str
@@ -14,8 +15,8 @@ class LinearCoupling:
     error: float
     """Largest error of the follower [rad or m]."""
     exact: bool
-    """Whether the error is at most 1e-9."""
+    """Whether the error is at most `loop_lines.EXACT_TOLERANCE`."""
     low: float
-    """Lower end of the driver's range in the fit [rad or m]."""
+    """Smallest value of the driver in the fit [rad or m]."""
     high: float
-    """Upper end of the driver's range in the fit [rad or m]."""
+    """Largest value of the driver in the fit [rad or m]."""

@@ -1,4 +1,4 @@
-"""Groups loops that move together, each group as a mechanism of its own."""
+"""Groups loops that move together, and makes a robot of each group."""
 
 from dataclasses import replace
 
@@ -9,44 +9,50 @@ from linkwright.stages.robot.motion.tree_paths import TreePaths
 
 
 class LoopGroups:
-    """The loops of a robot in groups that share no dof, by themselves or through relations."""
+    """The loops of a robot in groups: loops of two groups do not share a dof, also not through relations."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._ways = TreePaths(robot)
+        self._paths = TreePaths(robot)
         self._links = {link.name: link for link in robot.links}
-        self._around = {dof.name: (joint.parent, joint.child) for joint in robot.joints for dof in joint.dofs}
+        self._ends_of_dof = {
+            dof.name: (joint.parent, joint.child) for joint in robot.joints for dof in joint.dofs
+        }
         self._drivers = {relation.follower: relation.driver for relation in robot.relations}
-        self._driven: dict[str, list[Relation]] = {}
+        self._relations_by_driver: dict[str, list[Relation]] = {}
         for relation in robot.relations:
-            self._driven.setdefault(relation.driver, []).append(relation)
+            self._relations_by_driver.setdefault(relation.driver, []).append(relation)
 
     def mechanisms(self) -> list[Robot]:
-        """Returns the part of the robot that each group's loops and relations need, as a robot: its root is
-        the link where the paths to its links meet. The cost depends on the group alone."""
+        """Returns for each group the part of the robot that its loops and relations need, as a robot whose
+        root is the link where the paths up from its links meet. The cost depends on the size of the group
+        alone."""
         forest = nx.utils.UnionFind(range(len(self._robot.loops)))
-        first: dict[str, int] = {}
-        for number, loop in enumerate(self._robot.loops):
-            for name in self.moved_by(loop):
-                forest.union(number, first.setdefault(name, number))
+        first_loops: dict[str, int] = {}
+        for index, loop in enumerate(self._robot.loops):
+            for name in self.dofs_of(loop):
+                forest.union(index, first_loops.setdefault(name, index))
         groups: dict[int, list[Loop]] = {}
-        for number, loop in enumerate(self._robot.loops):
-            groups.setdefault(forest[number], []).append(loop)
+        for index, loop in enumerate(self._robot.loops):
+            groups.setdefault(forest[index], []).append(loop)
         return [self._mechanism(loops) for loops in groups.values()]
 
-    def moved_by(self, loop: Loop) -> set[str]:
-        """Returns the dofs on which a loop depends, its own too, where drivers replace their followers."""
-        moving = (dof.name for dof in self._ways.dofs_of(loop) if dof.kind != "free")
+    def dofs_of(self, loop: Loop) -> set[str]:
+        """Returns the dofs on which a loop depends, including its own; a driver takes the place of its
+        followers."""
+        moving = (dof.name for dof in self._paths.dofs_of(loop) if dof.kind != "free")
         return {self._drivers.get(name, name) for name in moving}
 
     def _mechanism(self, loops: list[Loop]) -> Robot:
-        moved = {name for loop in loops for name in self.moved_by(loop)}
-        relations = [relation for name in sorted(moved) for relation in self._driven.get(name, ())]
-        tied = moved | {relation.follower for relation in relations}
+        dofs = {name for loop in loops for name in self.dofs_of(loop)}
+        relations = [
+            relation for name in sorted(dofs) for relation in self._relations_by_driver.get(name, ())
+        ]
+        coupled_dofs = dofs | {relation.follower for relation in relations}
         ends = {end for loop in loops for end in (loop.link_a, loop.link_b)}
-        # The link above a joint too: a driver may be above all that it drives.
-        ends |= {end for name in tied for end in self._around.get(name, ())}
-        top, joints = self._ways.tree_of(sorted(ends))
+        # The links of the dofs too: a driver may be above the paths of all loops.
+        ends |= {end for name in coupled_dofs for end in self._ends_of_dof.get(name, ())}
+        top, joints = self._paths.tree_of(sorted(ends))
         names = [top, *(joint.child for joint in joints)]
         return replace(
             self._robot,

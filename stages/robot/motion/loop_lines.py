@@ -1,4 +1,4 @@
-"""Finds the dofs that closed loops make follow another dof, and fits straight lines.
+"""Finds the dofs that follow other dofs because of closed loops, and fits straight lines to their motion.
 
 Along a closed loop every dof is a function of the dofs that the loops leave free. From a pose with closed
 loops the free dofs are moved over their ranges in small steps, the loops being closed at each (predicted by
@@ -25,13 +25,13 @@ EXACT_TOLERANCE = 1e-9
 """Largest error [rad or m] of an exact line."""
 
 _DIGITS = 11
-"""Number of decimals of the numbers of a line: results of two machines differ in further decimals."""
+"""Number of decimals of a line's numbers: further decimals differ between machines."""
 
-_COARSE, _DENSE = 65, 257
-"""Points of a driver's range: to fit lines, and to certify exact lines."""
+_COARSE_POINTS, _DENSE_POINTS = 65, 257
+"""Number of points of a driver's range to fit lines, and to confirm exact lines."""
 
 _STEPS = 16
-"""Steps from the first pose to each point."""
+"""Number of steps from the first pose to each point."""
 
 _MAX_NEWTON_STEPS = 8
 """Largest number of steps of Newton's method in which the loops close, except near a singular pose."""
@@ -40,7 +40,7 @@ _MIN_POINTS = 9
 """Smallest number of points with closed loops to which a line is fitted."""
 
 _SLIDE_REACH = 1.0
-"""The motion of a slide without limits to either side [m]; a turn makes half a turn."""
+"""The motion [m] of a slide without limits to either side; that of a turn is half a turn."""
 
 
 def linear_couplings(
@@ -49,8 +49,8 @@ def linear_couplings(
     """Returns the couplings of all loops, in the order of the dofs. Loops that are not closed at `start`, or
     that can go on from there in several ways, have no couplings.
 
-    As many dofs as the loops leave free are drivers: the dofs in `first` where possible, then the nearest to
-    the root. Of several drivers a follower gets the driver whose line fits best.
+    The drivers are as many dofs as the loops leave free: those in `first` if possible, then the nearest to
+    the root. A follower gets the driver whose line fits best.
     """
     if not robot.loops:
         return ()
@@ -64,15 +64,15 @@ def linear_couplings(
 
 
 def closed_loops(robot: Robot, couplings: Sequence[LinearCoupling]) -> tuple[str, ...]:
-    """Returns the loops that the exact couplings alone keep closed: all dofs on their paths drive or
-    follow."""
+    """Returns the names of the loops that the exact couplings keep closed: all dofs on their paths are
+    drivers or followers, and at least one follows."""
     exact = [coupling for coupling in couplings if coupling.exact]
     followers = {coupling.follower for coupling in exact}
     coupled = followers | {coupling.driver for coupling in exact}
     groups, closed = LoopGroups(robot), []
     for loop in robot.loops:
-        moved = groups.moved_by(loop) - {dof.name for dof in loop.dofs}
-        if moved <= coupled and moved & followers:
+        tree_dofs = groups.dofs_of(loop) - {dof.name for dof in loop.dofs}
+        if tree_dofs <= coupled and tree_dofs & followers:
             closed.append(loop.name)
     return tuple(closed)
 
@@ -80,8 +80,8 @@ def closed_loops(robot: Robot, couplings: Sequence[LinearCoupling]) -> tuple[str
 def _mechanism_couplings(
     robot: Robot, start: Configuration, places: Mapping[str, int]
 ) -> Iterator[LinearCoupling]:
-    """Yields the couplings of a robot whose loops are all connected. `places`: the order of preference as
-    drivers."""
+    """Yields the couplings of a robot whose loops are a single group (see `LoopGroups`). `places`: dof → its
+    place in the order of preference as driver."""
     closer = Closer(robot)
     scalars = {dof.name for dof in robot.dofs if dof.kind in ("turn", "slide")} & set(closer.names)
     order = sorted(scalars, key=places.__getitem__)
@@ -96,25 +96,28 @@ def _mechanism_couplings(
     if not drivers or not followers:
         return
     rates = couplings.moved_by(drivers)
-    path = _path(robot, begin, rates, _COARSE)
+    path = _path(robot, begin, rates, _COARSE_POINTS)
     if _is_singular(closer, begin, path):
         return
     lines = _lines(followers, drivers, path)
     if any(line.exact for line in lines):
-        lines = _lines(followers, drivers, _path(robot, begin, rates, _DENSE))
+        lines = _lines(followers, drivers, _path(robot, begin, rates, _DENSE_POINTS))
     yield from lines
 
 
 def _is_singular(closer: Closer, begin: Values, path: Values) -> bool:
-    """Returns whether `begin` has more motions than the path, like a flat parallelogram. The mechanism can
-    then go on from there in several ways, and the path shows only one. Returns True also without a path."""
-    first, along = (_ranks(closer.jacobian(values)) for values in (begin, path))
-    return not along.size or bool(first.max() < along.max())
+    """Returns whether the loops allow more motions at `begin` than on the path, like a flat parallelogram.
+    The mechanism can then go on in several ways, and the path is only one of them. Returns True for an empty
+    path."""
+    begin_ranks, path_ranks = (_ranks(closer.jacobian(values)) for values in (begin, path))
+    return not path_ranks.size or bool(begin_ranks.max() < path_ranks.max())
 
 
 def _ranks(jacobian: Array) -> npt.NDArray[np.intp]:
-    sizes = np.linalg.svd(jacobian, compute_uv=False)
-    ranks: npt.NDArray[np.intp] = (sizes > RANK_TOLERANCE * np.maximum(1.0, sizes[:, :1])).sum(axis=1)
+    """Returns the ranks (n,) of Jacobians (n, rows, columns)."""
+    singular_values = np.linalg.svd(jacobian, compute_uv=False)
+    smallest = RANK_TOLERANCE * np.maximum(1.0, singular_values[:, :1])
+    ranks: npt.NDArray[np.intp] = (singular_values > smallest).sum(axis=1)
     return ranks
 
 
@@ -125,21 +128,23 @@ def _determined_dofs(closer: Closer, values: Values, drivers: Sequence[str]) -> 
     rest = [column for column in range(jacobian.shape[1]) if column not in driver_columns]
     if not rest:
         return set()
-    _, sizes, across = np.linalg.svd(jacobian[:, rest])
-    rank = int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum())
-    free = np.zeros(jacobian.shape[1])
-    free[rest] = np.linalg.norm(across[rank:], axis=0)
-    return {name for name, part in closer.columns.items() if float(free[part].max()) < RANK_TOLERANCE}
+    _, singular_values, right_vectors = np.linalg.svd(jacobian[:, rest])
+    rank = int((singular_values > RANK_TOLERANCE * max(1.0, float(singular_values[0]))).sum())
+    # How far each column takes part in the motions that remain.
+    mobility = np.zeros(jacobian.shape[1])
+    mobility[rest] = np.linalg.norm(right_vectors[rank:], axis=0)
+    return {name for name, part in closer.columns.items() if float(mobility[part].max()) < RANK_TOLERANCE}
 
 
 def _path(robot: Robot, begin: Values, rates: Mapping[str, Rates], points: int) -> dict[str, Array]:
-    """Returns closed configurations: `points` over the range of each driver while the others stay, and for
-    several drivers as many again with all of them at random. Those that limits or the loops forbid are left
+    """Returns closed configurations: `points` over the range of each driver while the others rest and, for
+    several drivers, as many with all of them at random values. Those that limits or the loops forbid are left
     out."""
     targets = _targets(robot, begin, list(rates), points)
     closer = Closer(robot, held=list(rates))
     count = len(next(iter(targets.values())))
     current: dict[str, Array] = {name: np.repeat(value, count, axis=0) for name, value in begin.items()}
+    # The first step is predicted by the rates; a ball is not predicted.
     last_steps = {name: np.zeros(count) for name, value in current.items() if value.ndim == 1}
     for driver, speeds in rates.items():
         step = (targets[driver] - current[driver]) / _STEPS
@@ -157,7 +162,7 @@ def _path(robot: Robot, begin: Values, rates: Mapping[str, Rates], points: int) 
 
 
 def _targets(robot: Robot, begin: Values, drivers: Sequence[str], points: int) -> dict[str, Array]:
-    """Returns the values to which the drivers are moved."""
+    """Returns the target values of the drivers, as described for `_path`."""
     limits = ranges(robot)
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     ends = {
@@ -182,7 +187,8 @@ def _targets(robot: Robot, begin: Values, drivers: Sequence[str], points: int) -
 def _lines(
     followers: Sequence[str], drivers: Sequence[str], values: Mapping[str, Array]
 ) -> list[LinearCoupling]:
-    """Returns the line of each follower that fits best."""
+    """Returns for each follower the line that fits best; nothing for fewer than `_MIN_POINTS`
+    configurations."""
     if count_of(values) < _MIN_POINTS:
         return []
     return [
@@ -192,9 +198,19 @@ def _lines(
 
 
 def _line(follower: str, driver: str, values: Mapping[str, Array]) -> LinearCoupling:
+    """Returns the line of a follower over a driver, by least squares."""
     x, y = values[driver], values[follower]
-    slope, height = np.linalg.lstsq(np.column_stack([x, np.ones_like(x)]), y, rcond=None)[0]
-    slope, height = round(float(slope), _DIGITS) + 0.0, round(float(height), _DIGITS) + 0.0
-    error = float(np.abs(y - (slope * x + height)).max())
-    exact = error <= EXACT_TOLERANCE
-    return LinearCoupling(follower, driver, slope, height, error, exact, float(x.min()), float(x.max()))
+    slope, offset = np.linalg.lstsq(np.column_stack([x, np.ones_like(x)]), y, rcond=None)[0]
+    # Adding 0.0 turns -0.0 into 0.0.
+    slope, offset = round(float(slope), _DIGITS) + 0.0, round(float(offset), _DIGITS) + 0.0
+    error = float(np.abs(y - (slope * x + offset)).max())
+    return LinearCoupling(
+        follower,
+        driver,
+        multiplier=slope,
+        offset=offset,
+        error=error,
+        exact=error <= EXACT_TOLERANCE,
+        low=float(x.min()),
+        high=float(x.max()),
+    )

@@ -1,4 +1,4 @@
-"""Measures loops at given poses of the links: the gap of each, and the values of its own dofs."""
+"""Computes the gap of a loop, and the values of its own dofs, at poses of the links."""
 
 import math
 from collections.abc import Mapping
@@ -10,15 +10,15 @@ from linkwright.stages.robot.model.robot import Array, Dof, Loop, Value
 from linkwright.stages.robot.motion.kinematics import chain
 
 MAX_CLOSED_GAP = 1e-6
-"""Largest distance of a loop's frames [m, and rad] at which it counts as closed."""
+"""Largest gap [m, and rad] of a loop that counts as closed."""
 
 POINTWISE_TYPES = frozenset({"fixed", "revolute", "ball"})
-"""Types of loops that close by holding points together: no dof of theirs is in the simulation."""
+"""Types of loops that a simulation closes by holding points together: it has none of their dofs."""
 
 
 def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
-    """Returns the gap of a loop at the links' `poses`: the larger of the offset [m] and the turn [rad, if
-    small] that remain with the best values of its own dofs."""
+    """Returns the gap of a loop at the links' `poses`: the larger of the offset [m] and the turn [rad, exact
+    for small angles] that remain at the best values of its own dofs."""
     relative = relative_pose(loop, poses)
     remainder = inverse(chain(loop.dofs, closing_values(loop, relative))) @ relative
     # For a turn by a small angle, the norm of R − 1 is √2 times the angle.
@@ -35,8 +35,8 @@ def relative_pose(loop: Loop, poses: Mapping[str, Array]) -> Array:
 def closing_values(loop: Loop, second_from_first: Array) -> dict[str, Value]:
     """Returns the values of a loop's dofs whose chain comes closest to `second_from_first` (4, 4).
 
-    A mate has one turn at most and slides turn nothing, so the turn follows from the rotations alone. Once
-    the turn is known, the offset is linear in the slides.
+    A mate has at most one turn or ball, and slides do not rotate, so its value follows from the rotations
+    alone. With this value, the offset is linear in the slides.
     """
     q: dict[str, Value] = {dof.name: at_rest(dof.kind) for dof in loop.dofs}
     for index, dof in enumerate(loop.dofs):
@@ -57,10 +57,10 @@ def closing_values(loop: Loop, second_from_first: Array) -> dict[str, Value]:
 
 
 def _rotation(dof: Dof, rotation: Array) -> Value:
-    """Returns the value of a turn, or ball, that comes closest to `rotation` (3, 3); a turn gets the whole
-    number of revolutions nearest to the saved value."""
+    """Returns the value of a turn or ball that comes closest to `rotation` (3, 3). Of the values of a turn,
+    which differ by whole turns, it is the nearest to the saved value."""
     quat = quat_from_rotation(rotation)
     if isinstance(dof.saved, tuple):
-        return tuple(float(x) for x in quat)
+        return tuple(float(number) for number in quat)
     angle = 2.0 * math.atan2(float(quat[1:] @ dof.axis), float(quat[0]))
     return angle + 2.0 * math.pi * round((dof.saved - angle) / (2.0 * math.pi))

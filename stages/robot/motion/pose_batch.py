@@ -13,23 +13,23 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint
 Values = Mapping[str, Array]
 """Dof → values: (n,) for a turn or slide, (n, 4) for a ball, (n, 7) for a free joint."""
 
-
 Frames = Mapping[str, tuple[Array, Array]]
-"""Dof → the frame in which it moves, and the frame that it moves: root_from_frame (n, 4, 4)."""
+"""Dof → its frame before its motion and after it, as root_from_frame (n, 4, 4)."""
 
 
 class ChainPose(NamedTuple):
-    """The pose of a chain of dofs."""
+    """The poses of a chain of dofs, in the frame in which the chain's start is given."""
 
     end: Array
     """Pose (n, 4, 4) of the end of the chain."""
 
     frames: Frames
-    """The frames of its dofs."""
+    """The frames of the chain's dofs."""
 
 
 def repeated(q: Configuration, count: int) -> dict[str, Array]:
     """Returns the same configuration `count` times."""
+    # A scalar is repeated to (count,), and a tuple to (count, its length).
     return {
         name: np.tile(np.asarray(value, dtype=float), (count, 1)[: np.ndim(value) + 1])
         for name, value in q.items()
@@ -55,8 +55,8 @@ def many_link_poses(robot: Robot, values: Values) -> dict[str, Array]:
 def poses_and_frames(
     root: str, joints: Iterable[Joint], values: Values
 ) -> tuple[dict[str, Array], dict[str, tuple[Array, Array]]]:
-    """Returns root_from_link (n, 4, 4) of `root` and of the links below these joints (parents first), and the
-    frames of the joints' dofs."""
+    """Returns root_from_link (n, 4, 4) of `root` and of the children of these joints, and the frames of their
+    dofs. `joints`: parents first, all at or below `root`."""
     poses = {root: np.tile(np.eye(4), (count_of(values), 1, 1))}
     frames: dict[str, tuple[Array, Array]] = {}
     for joint in joints:
@@ -67,7 +67,7 @@ def poses_and_frames(
 
 
 def chain_pose(dofs: Iterable[Dof], start: Array, values: Values) -> ChainPose:
-    """Returns the pose of a chain of dofs that begins at `start` (n, 4, 4)."""
+    """Returns the poses of a chain of dofs that begins at `start` (n, 4, 4)."""
     pose = start
     frames = {}
     for dof in dofs:
@@ -78,7 +78,8 @@ def chain_pose(dofs: Iterable[Dof], start: Array, values: Values) -> ChainPose:
 
 
 def dof_transforms(dof: Dof, values: Values) -> Array:
-    """Returns the transforms (n, 4, 4) by which a dof moves its frame; a dof without values does not move."""
+    """Returns the transforms (n, 4, 4) by which a dof moves its frame; the identity for a dof without
+    values."""
     if dof.name not in values:
         values = repeated({dof.name: at_rest(dof.kind)}, count_of(values))
     value = values[dof.name]
@@ -102,7 +103,7 @@ def rotations_from_vectors(vectors: Array) -> Array:
 def quats_from_vectors(vectors: Array) -> Array:
     """Returns the quaternions (w, x, y, z) (n, 4) of rotation vectors (n, 3) [rad]."""
     half = np.linalg.norm(vectors, axis=1)[:, None] / 2
-    # sin(x)/x, which np.sinc computes for π x, is exact at 0.
+    # np.sinc(x / π) is sin(x) / x, also at 0.
     quats: Array = np.concatenate([np.cos(half), np.sinc(half / np.pi) * vectors / 2], axis=1)
     return quats
 
@@ -119,7 +120,7 @@ def rotations_from_quats(quats: Array) -> Array:
 
 
 def quat_products(first: Array, second: Array) -> Array:
-    """Returns the products (n, 4) of quaternions (n, 4), by Hamilton's rule."""
+    """Returns the products (n, 4) of quaternions (w, x, y, z) (n, 4)."""
     a, b = first[:, 0], second[:, 0]
     u, v = first[:, 1:], second[:, 1:]
     scalar = a * b - np.einsum("ij,ij->i", u, v)
@@ -131,18 +132,20 @@ _NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
 
 
 def cross(first: Array, second: Array) -> Array:
-    """Returns the cross products (n, 3, ...) of vectors that lie along the second axis."""
-    # np.cross, which takes any axes, costs ten times as much for a few hundred vectors.
+    """Returns the cross products (n, 3, ...) of vectors (n, 3, ...) along the second axis."""
+    # np.cross, which accepts any axes, takes ten times as long for a few hundred vectors.
     product: Array = first[:, _NEXT] * second[:, _AFTER_NEXT] - first[:, _AFTER_NEXT] * second[:, _NEXT]
     return product
 
 
 _MIN_SINE = 1e-9
-"""Sine of an angle below which a rotation counts as no turn or as half a turn, whose axis rounding hides."""
+"""Sine of an angle at or below which a rotation counts as the identity or as half a turn: rounding hides its
+axis."""
 
 
 def vectors_from_rotations(rotations: Array) -> Array:
-    """Returns the rotation vectors (n, 3), of lengths [rad] up to π, of rotations (n, 3, 3)."""
+    """Returns the rotation vectors (n, 3) [rad], up to π long, of rotations (n, 3, 3). For half a turn the
+    axis is x, whatever the axis of the rotation is."""
     r = rotations
     # The axis, times twice the sine of the angle.
     doubled = np.stack([r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]], axis=1)
@@ -150,7 +153,7 @@ def vectors_from_rotations(rotations: Array) -> Array:
     angles = np.arctan2(sines, (np.trace(r, axis1=1, axis2=2) - 1) / 2)
     factors = np.divide(angles, 2 * sines, out=np.full_like(angles, 0.5), where=sines > _MIN_SINE)
     vectors: Array = doubled * factors[:, None]
-    # At half a turn `doubled` is zero and gives no axis. Any axis will do here, as long as the angle is kept.
+    # At half a turn `doubled` is zero and has no direction. Callers need the angle alone.
     is_half_turn = (sines <= _MIN_SINE) & (angles > np.pi / 2)
     vectors[is_half_turn] = [np.pi, 0, 0]
     return vectors

@@ -1,4 +1,4 @@
-"""Draws seeded poses of a robot that satisfy its limits, relations and loops."""
+"""Draws random poses of a robot that satisfy its limits, relations and loops, the same every time."""
 
 import hashlib
 import math
@@ -12,10 +12,10 @@ from linkwright.stages.robot.motion.dof_ranges import ranges
 from linkwright.stages.robot.motion.pose_batch import count_of, repeated, select
 
 _ROUNDS = 4
-"""Largest number of draws of a pose until its loops close."""
+"""Largest number of times that a pose is drawn until its loops close."""
 
 _STEPS = 24
-"""Steps from `home` to a drawn pose, at each of which the loops are closed."""
+"""Number of steps from the start to a drawn pose; the loops are closed in each."""
 
 
 def sampled_poses(
@@ -24,14 +24,14 @@ def sampled_poses(
     """Returns `count` configurations of all dofs, the same every time: arrays as `pose_batch.Values`. Another
     `salt` draws independent configurations.
 
-    Every scalar is drawn evenly from its range, seeded by its dof's name (PCG64), so that the order of joints
-    does not matter. A turn without limits makes the whole turn about its value in `start`; a slide, or free
-    motion, goes as far as `reach` [m] to both sides of it; with a single limit the range is as long. A ball's
-    z axis points evenly into its cone, and the ball turns about it by any angle. Followers follow.
+    The value of a turn or slide is uniform in its range, from a generator (PCG64) that the name of the dof
+    seeds, so that the order of joints does not matter. Without limits the range is half a turn, for slides
+    and free motion `reach` [m], to both sides of the value in `start`; with a single limit it is as long. The
+    z axis of a ball is uniform in its cone, and so is its angle about it. Followers follow their drivers.
 
-    Where a robot has loops, the dofs of these move from `start`, at which the loops must be closed, as near
-    to the drawn values as closed loops allow; a pose whose loops do not close is drawn again, at most three
-    times: there may be fewer poses then, or none.
+    The dofs of loops move from `start`, whose loops must be closed, as near to the drawn values as closed
+    loops allow. A pose whose loops do not close is drawn again, at most three times, so there may be fewer
+    poses or none.
     """
     dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
     limits = ranges(robot)
@@ -43,10 +43,11 @@ def sampled_poses(
     if not robot.loops:
         return select(all_values, np.arange(count))
     closer = Closer(robot)
+    starts = repeated({name: start[name] for name in _loop_dofs(robot, closer)}, count)
     batches: list[dict[str, Array]] = []
-    for turn in range(_ROUNDS):
-        target = select(all_values, np.arange(turn * count, (turn + 1) * count))
-        first = {**target, **{name: repeated(start, count)[name] for name in _loop_dofs(robot, closer)}}
+    for attempt in range(_ROUNDS):
+        target = select(all_values, np.arange(attempt * count, (attempt + 1) * count))
+        first = {**target, **starts}
         values, closed = closer.settled(closer.towards(first, target, _STEPS))
         batches.append(select(values, closed & _in_cones(dofs, values)))
         if sum(map(count_of, batches)) >= count:
@@ -63,7 +64,8 @@ def _loop_dofs(robot: Robot, closer: Closer) -> set[str]:
 def _draw(
     dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: float, count: int, salt: str
 ) -> Array:
-    """Returns `_ROUNDS` times `count` values of a dof."""
+    """Returns `_ROUNDS` times `count` values of a dof. `limits`: its range, None for a ball and for free
+    motion; `middle`: its value in the start pose."""
     seed = int.from_bytes(hashlib.sha256(f"{salt}{dof.name}".encode()).digest()[:16], "big")
     random = np.random.Generator(np.random.PCG64(seed)).random((_ROUNDS * count, 6))
     if limits is not None and not isinstance(middle, tuple):
@@ -77,8 +79,8 @@ def _draw(
 
 
 def ends_of(limits: tuple[float, float], middle: float, reach: float) -> tuple[float, float]:
-    """Returns both ends of a range: an open end is `reach` from `middle`, or twice that from the other
-    end."""
+    """Returns the lower and the upper end of a range. Two open ends are `reach` from `middle`; a single open
+    end is twice that from the other end."""
     low, high = limits
     if math.isinf(low) and math.isinf(high):
         return middle - reach, middle + reach
@@ -88,13 +90,13 @@ def ends_of(limits: tuple[float, float], middle: float, reach: float) -> tuple[f
 
 
 def _quats(random: Array, cone: float) -> Array:
-    """Returns rotations whose z axis is evenly spread over a cone of this half angle [rad], as quaternions
-    (n, 4)."""
+    """Returns rotations as quaternions (n, 4), whose z axis is uniform in a cone of the half angle `cone`
+    [rad]. `random`: three uniform numbers in 0..1 for each (n, 3)."""
     # The area of a cap of a sphere grows with 1 − cos(tilt), so the cosine is drawn evenly.
     tilt = np.arccos(1 - random[:, 0] * (1 - math.cos(min(cone, math.pi))))
-    turn, about = 2 * math.pi * random[:, 1], 2 * math.pi * random[:, 2]
-    # Rz(turn) Ry(tilt) Rz(about - turn): the z axis points along `turn`, and `about` is the twist.
-    half, plus, minus = tilt / 2, about / 2, turn - about / 2
+    direction, twist = 2 * math.pi * random[:, 1], 2 * math.pi * random[:, 2]
+    # Rz(direction) Ry(tilt) Rz(twist - direction): the z axis is tilted towards `direction`.
+    half, plus, minus = tilt / 2, twist / 2, direction - twist / 2
     return np.column_stack(
         [
             np.cos(half) * np.cos(plus),
@@ -106,11 +108,11 @@ def _quats(random: Array, cone: float) -> Array:
 
 
 def _in_cones(dofs: list[Dof], values: dict[str, Array]) -> npt.NDArray[np.bool_]:
-    """Returns whether every ball (n,) is within its cone."""
+    """Returns for each configuration (n,) whether all balls are within their cones."""
     in_cone = np.ones(count_of(values), dtype=bool)
     for dof in dofs:
         if dof.kind == "ball" and dof.limits.upper is not None:
             _, x, y, _ = values[dof.name].T
-            # The turned z axis has the z component 1 − 2 (x² + y²), the cosine of its tilt.
+            # The z component of the rotated z axis is 1 − 2 (x² + y²), the cosine of its tilt.
             in_cone &= 1 - 2 * (x * x + y * y) >= math.cos(min(dof.limits.upper, math.pi)) - 1e-9
     return in_cone

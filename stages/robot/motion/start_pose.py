@@ -14,35 +14,38 @@ from linkwright.stages.robot.motion.loops import MAX_CLOSED_GAP, closing_values,
 from linkwright.stages.robot.motion.pose_batch import repeated
 
 _LIMIT_TOLERANCE = 1e-12
-"""Largest excess of a value over its limits that counts as rounding; above 1, as a share of the value."""
+"""Largest excess of a value over its limits that counts as rounding [rad or m]; for values above 1, as a
+share of the value."""
 
 HOME, SAVED = "home", "cad"
-"""The keyframes that every robot has."""
+"""Names of the keyframes that every robot has."""
 
 
 def starting_point(robot: Robot) -> Configuration:
-    """Returns qpos0, as values of the tree's dofs and of the loops' own. It is mate zero if every loop and
-    relation holds there, else the saved pose. It is `home` if that pose is outside the limits and `home`
-    closes the loops.
+    """Returns the pose in which a simulation starts (MuJoCo's qpos0), as values of the dofs of tree and
+    loops.
 
-    A free joint has no mate, and so no zero: it starts at its saved pose. The saved pose of an MJCF source is
-    its qpos0: it stays that.
+    It is mate zero, with all values 0, if every loop and relation holds there, else the saved pose. If this
+    pose is outside the limits, it is `home` instead, provided that `home` is within them and closes the
+    loops. A free joint has no mate and keeps its saved pose. An MJCF source keeps its own qpos0, which is its
+    saved pose.
     """
     if robot.mjcf is not None:
         return saved(robot)
     start = _closed_at_zero(robot) or saved(robot)
     if is_within(robot, start):
         return start
-    instead = home(robot)
-    return instead if is_within(robot, instead) and not open_loops(robot, instead) else start
+    at_home = home(robot)
+    return at_home if is_within(robot, at_home) and not open_loops(robot, at_home) else start
 
 
 def _closed_at_zero(robot: Robot) -> dict[str, Value] | None:
-    """Returns mate zero, if every loop and relation holds there."""
+    """Returns mate zero, with the values of the loops' dofs; None if a loop or relation does not hold
+    there."""
     zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
-    holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
+    relations_hold = all(relation.offset == 0.0 for relation in robot.relations)
     poses = link_poses(robot, zero)
-    if not holds or any(gap(loop, poses) > MAX_CLOSED_GAP for loop in robot.loops):
+    if not relations_hold or any(gap(loop, poses) > MAX_CLOSED_GAP for loop in robot.loops):
         return None
     for loop in robot.loops:
         zero |= closing_values(loop, relative_pose(loop, poses))
@@ -50,7 +53,7 @@ def _closed_at_zero(robot: Robot) -> dict[str, Value] | None:
 
 
 def saved(robot: Robot) -> dict[str, Value]:
-    """Returns the values of the pose that was saved in CAD: the tree's dofs and the loops' own."""
+    """Returns the saved pose, as values of the dofs of tree and loops."""
     return {
         **saved_configuration(robot),
         **{dof.name: dof.saved for loop in robot.loops for dof in loop.dofs},
@@ -58,19 +61,19 @@ def saved(robot: Robot) -> dict[str, Value]:
 
 
 def home(robot: Robot) -> dict[str, Value]:
-    """Returns the pose nearest to the saved pose that has the values of the keyframe `home`, if the user
-    gives it."""
+    """Returns the pose nearest to the saved pose that has the values of the user's keyframe `home`, if there
+    is one. See `nearest`."""
     return dict(_home(robot))
 
 
-@functools.lru_cache(maxsize=4)  # many places of a stage ask for the same robot's
+@functools.lru_cache(maxsize=4)  # a stage asks many times for the `home` of the same robot
 def _home(robot: Robot) -> Configuration:
     return nearest(robot, saved(robot), _keyframe_values(robot).get(HOME, {}))
 
 
 def keyframes(robot: Robot) -> dict[str, dict[str, Value]]:
-    """Returns all named poses: `home`, the saved pose as `cad`, and the user's own, each the nearest to
-    `home` that has its values."""
+    """Returns all named poses: `home`, the saved pose as `cad`, and the user's own. Each of these is the pose
+    nearest to `home` that has its values."""
     at_home = home(robot)
     user_values = {name: pose_values for name, pose_values in _keyframe_values(robot).items() if name != HOME}
     user_poses = {name: nearest(robot, at_home, pose_values) for name, pose_values in user_values.items()}
@@ -78,8 +81,8 @@ def keyframes(robot: Robot) -> dict[str, dict[str, Value]]:
 
 
 def roots_in_source(robot: Robot) -> dict[str, Array]:
-    """Returns world from root (4, 4) in the robot's source: by keyframe of an MJCF, and elsewhere under
-    ""."""
+    """Returns world_from_root (4, 4) in the robot's source: at the saved pose under "", and for a floating
+    root at each keyframe of an MJCF that has its pose."""
     poses = {"": robot.world_from_root}
     if robot.mjcf is not None and not robot.base.fixed:
         for keyframe in robot.mjcf.keyframes:
@@ -90,18 +93,19 @@ def roots_in_source(robot: Robot) -> dict[str, Array]:
 
 
 def _keyframe_values(robot: Robot) -> dict[str, dict[str, float]]:
+    """Returns the user's keyframes: name → dof → value."""
     return {keyframe.name: dict(keyframe.given) for keyframe in robot.keyframes}
 
 
 def nearest(
     robot: Robot, target: Configuration, fixed_values: Mapping[str, float] | None = None
 ) -> dict[str, Value]:
-    """Returns the pose nearest to `target` that is within the limits, follows the relations and closes the
-    loops; `fixed_values`, by dof, are taken as they are.
+    """Returns the pose nearest to `target` that is within the limits, satisfies the relations and closes the
+    loops. Dofs in `fixed_values` have these values, whatever the limits and relations are.
 
-    Nearest by the sum of squares over the dofs of the loops, each as a share of its range (see
-    `Closer.nearest`), and by itself for each other driver. A ball stays as it is in `target`. Where no such
-    pose closes the loops, they stay open.
+    For dofs of loops the distance is that of `Closer.nearest`; each other driver is moved into its limits on
+    its own. A ball outside of loops keeps its value in `target`. If the loops cannot be closed, they stay
+    open.
     """
     fixed_values = fixed_values or {}
     target = {**target, **fixed_values}
@@ -122,8 +126,8 @@ def nearest(
 def nearest_closed(
     robot: Robot, start: Configuration, target: Configuration, fixed_values: Mapping[str, float]
 ) -> dict[str, Value]:
-    """Returns the configuration with closed loops that is nearest to `target`; `start` if no loops can be
-    closed."""
+    """Returns the configuration with closed loops that is nearest to `target`, reached from `start`; `start`
+    itself if the loops cannot be closed. Dofs in `fixed_values` are not moved."""
     closer = Closer(robot, held=fixed_values)
     values = closer.nearest(repeated(start, 1), repeated(target, 1))
     values, closed = closer.settled(values)
@@ -136,13 +140,14 @@ def nearest_closed(
 
 
 def is_within(robot: Robot, values: Configuration) -> bool:
-    """Returns whether every turn and slide is within its limits and those of its followers."""
+    """Returns whether the value of every turn and slide is within its range (see `ranges`)."""
     limits = ranges(robot)
     return all(_is_inside(limits[name], value) for name, value in values.items() if name in limits)
 
 
 def open_loops(robot: Robot, values: Configuration) -> list[str]:
-    """Returns the names of the loops that are further from closed than in the saved pose."""
+    """Returns the names of the loops that are open. A loop that is open in the saved pose may have twice that
+    gap."""
     if not robot.loops:
         return []
     poses = link_poses(robot, values)

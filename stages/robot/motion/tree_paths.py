@@ -1,4 +1,4 @@
-"""Finds paths along the tree of a robot: from links up to the root, or to where they meet."""
+"""Finds paths in the tree of a robot, from links up to the root or to the link where they meet."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeVar
@@ -11,12 +11,12 @@ Node = TypeVar("Node")
 def paths_up(
     first: Node, second: Node, parents: Mapping[Node, Node], order: Mapping[Node, int]
 ) -> tuple[list[Node], list[Node]]:
-    """Returns the two paths up a tree to where they meet, without that node, each from its start; `order` has
-    a parent before its children."""
+    """Returns the two paths from nodes up to the node where they meet, without this node. `order`: the place
+    of each node in an order in which parents come before their children."""
     paths: tuple[list[Node], list[Node]] = ([], [])
     ends = [first, second]
     while ends[0] != ends[1]:
-        # The later of the two is above neither end.
+        # The later node is not above the other, so its path goes up.
         later = int(order[ends[1]] > order[ends[0]])
         paths[later].append(ends[later])
         ends[later] = parents[ends[later]]
@@ -24,39 +24,42 @@ def paths_up(
 
 
 class TreePaths:
-    """The joints on the paths up from a robot's links. The cost of a path is its length."""
+    """The joints on the paths up from a robot's links. Finding a path takes time in proportion to its
+    length."""
 
     def __init__(self, robot: Robot) -> None:
-        self._above = {joint.child: joint for joint in robot.joints}
+        self._joint_above = {joint.child: joint for joint in robot.joints}
         self._parents = {joint.child: joint.parent for joint in robot.joints}
         self._order = {link.name: number for number, link in enumerate(robot.links)}
 
     def up(self, link: str) -> Iterator[Joint]:
         """Yields the joints from a link up to the root."""
-        while link in self._above:
-            joint = self._above[link]
+        while link in self._joint_above:
+            joint = self._joint_above[link]
             yield joint
             link = joint.parent
 
     def of_loop(self, loop: Loop) -> tuple[list[Joint], list[Joint]]:
-        """Returns the joints from both links of a loop up to where these paths meet."""
+        """Returns the joints on the paths from `link_a` and from `link_b` of a loop up to the link where both
+        meet."""
         to_a, to_b = paths_up(loop.link_a, loop.link_b, self._parents, self._order)
-        return [self._above[link] for link in to_a], [self._above[link] for link in to_b]
+        return [self._joint_above[link] for link in to_a], [self._joint_above[link] for link in to_b]
 
     def dofs_of(self, loop: Loop) -> list[Dof]:
-        """Returns the dofs by which a loop's frames move against each other: those on its paths, and its
+        """Returns the dofs that move the frames of a loop against each other: those on its paths, then its
         own."""
         path_dofs = [dof for path in self.of_loop(loop) for joint in path for dof in joint.dofs]
         return [*path_dofs, *loop.dofs]
 
     def tree_of(self, links: Iterable[str]) -> tuple[str, list[Joint]]:
-        """Returns the link where the paths up from the links meet, and the joints on these, parents first."""
+        """Returns the link where the paths up from these links meet, and the joints on the paths, parents
+        first. `links` must not be empty."""
         climbed: set[str] = set()
         top: str | None = None
         for link in links:
             if top is None:
                 top = link
-            # No link is climbed from twice: a path ends where it meets another.
+            # A path ends where it meets another, so that each link is climbed from once.
             while link != top and link not in climbed:
                 if self._order[link] > self._order[top]:
                     climbed.add(link)
@@ -65,4 +68,4 @@ class TreePaths:
                     climbed.add(top)
                     top = self._parents[top]
         assert top is not None
-        return top, [self._above[link] for link in sorted(climbed, key=self._order.__getitem__)]
+        return top, [self._joint_above[link] for link in sorted(climbed, key=self._order.__getitem__)]

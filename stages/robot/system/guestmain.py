@@ -1,4 +1,5 @@
-"""Starts a guest process (see `guest`). It imports our modules only once it knows their folder."""
+"""Runs in a guest process (see `guest`) and answers its requests. It imports our modules only after it has
+read their folder."""
 
 import importlib
 import json
@@ -9,6 +10,7 @@ import types
 
 
 def main() -> None:
+    """Answers requests until the input ends, and ends the process."""
     # Replies and requests have streams of their own: all other output goes to the error output, and there is
     # no other input.
     replies = os.fdopen(os.dup(1), "wb")
@@ -42,20 +44,20 @@ def main() -> None:
         replies.write(kind + len(body).to_bytes(8, "big"))
         replies.write(body)
         replies.flush()
-    # Nothing is left to do: the system frees what libraries would.
+    # At once, without the clean-up of libraries: the system frees everything.
     os._exit(0)
 
 
 def _end_after(seconds: float) -> None:
-    """Makes the kernel end this process after this time [s]; 0: never."""
+    """Makes the kernel end this process after this time [s], or never for 0; does nothing on Windows."""
     if hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _end_with(parent: int) -> None:
-    """Makes the kernel end this process with the `parent` process (Linux), whatever code it runs; a crash
-    leaves no file."""
+    """Makes the kernel (Linux) end this process when the process `parent` ends, whatever code runs here, and
+    keeps crashes (not on Windows) from writing core files."""
     if hasattr(signal, "setitimer"):
         # Late: POSIX only.
         import resource
@@ -66,6 +68,7 @@ def _end_with(parent: int) -> None:
         import ctypes
 
         ctypes.CDLL(None).prctl(1, int(signal.SIGKILL))  # PR_SET_PDEATHSIG
+        # The parent may have ended before this call.
         if os.getppid() != parent:
             os._exit(1)
 

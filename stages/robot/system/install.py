@@ -18,20 +18,19 @@ OPTIONAL = {
     "usd-core": ">=26.3,<27",
     "xacro": ">=2.1,<3",
 }
-"""The accepted versions of each optional package, as in pyproject.toml."""
+"""Optional package → its accepted versions, as in pyproject.toml."""
 
 
 def install(*packages: str) -> str:
-    """Returns the command that installs these packages. It names the packages themselves, since our extras
-    are known to pip only where our own package is on an index."""
+    """Returns the command that installs these optional packages. It does not use the extras of our own
+    package, which pip knows only if our package is on an index."""
     return " ".join(["pip install", *(f"'{name}{OPTIONAL[name]}'" for name in packages)])
 
 
 @functools.cache
 def installed(library: str) -> str:
-    """Returns the version of an installed distribution, found without importing it; "absent" if it is not
-    installed."""
-    # Imported here: it takes as long as the rest of this module, and few callers ask for a version.
+    """Returns the version of a distribution, without importing it; "absent" if it is not installed."""
+    # Late: this import is slow, and few callers ask for a version.
     from importlib.metadata import PackageNotFoundError, version
 
     try:

@@ -1,4 +1,5 @@
-"""Measures the memory and processor time that a process uses."""
+"""Measures the memory and processor time of a process, and counts the processors that this process may
+use."""
 
 from __future__ import annotations
 
@@ -8,19 +9,20 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
-_STATM = "/proc/{}/statm"
-_STAT = "/proc/{}/stat"
+_STATM, _STAT = "/proc/{}/statm", "/proc/{}/stat"
+"""Linux's files of the memory and of the times of a process."""
+
 _PATIENCE = 5.0
 """Longest time that `ps` may take [s]."""
 
 
 def has_memory_files() -> bool:
-    """Returns whether the system shows the memory of a process in a file."""
+    """Returns whether the system shows the memory of a process in a file, which is quick to read."""
     return os.path.exists(_STATM.format("self"))  # noqa: PTH110
 
 
 def resident_memory(process: int) -> int:
-    """Returns the resident memory of a process [bytes], 0 where the system does not show it."""
+    """Returns the resident memory of a process [bytes]; 0 if it is unknown."""
     try:
         with open(_STATM.format(process), "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -29,9 +31,10 @@ def resident_memory(process: int) -> int:
 
 
 def processor_time(process: int, unknown: float) -> float:
-    """Returns the processor time of a process [s], `unknown` where the system does not show it."""
+    """Returns the processor time of a process [s], without that of its children; `unknown` if the system does
+    not show it."""
     try:
-        # The name of the program, in brackets, may hold anything.
+        # The name of the program, in parentheses, may contain spaces and parentheses.
         fields = Path(_STAT.format(process)).read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     except (OSError, IndexError, ValueError):
@@ -53,6 +56,7 @@ def _resident_memory_by_ps(process: int) -> int:
 
 
 _processor_limit: int | None = None
+"""Largest number of processors that this process uses; None without a limit."""
 
 
 def processors() -> int:
@@ -66,7 +70,8 @@ def processors() -> int:
 
 @contextlib.contextmanager
 def limited_processors(number: int | None) -> Iterator[None]:
-    """Limits the processors that this process uses inside, since processes beside it use the rest."""
+    """Limits the number of processors that `processors` returns inside the context, since other processes use
+    the rest; None removes the limit."""
     global _processor_limit
     previous, _processor_limit = _processor_limit, number
     try:

@@ -7,11 +7,12 @@ from pathlib import Path
 
 
 def program(name: str, environ: Mapping[str, str] = os.environ) -> str | None:
-    """Returns the absolute path of a program on PATH; None if it is not there.
+    """Returns the absolute path of a program in the folders of PATH; None if it is in none of them.
 
-    Relative entries of PATH, which start from the working folder, are left out; so is the working folder
+    Relative folders are ignored, since they start from the working folder, and so is the working folder
     itself, where Windows looks first.
     """
-    places = [place for place in environ.get("PATH", "").split(os.pathsep) if Path(place).is_absolute()]
-    path = shutil.which(name, path=os.pathsep.join(places)) if places else None
-    return path if path is not None and any(Path(path).parent == Path(place) for place in places) else None
+    folders = [folder for folder in environ.get("PATH", "").split(os.pathsep) if Path(folder).is_absolute()]
+    path = shutil.which(name, path=os.pathsep.join(folders)) if folders else None
+    is_in_folder = path is not None and any(Path(path).parent == Path(folder) for folder in folders)
+    return path if is_in_folder else None

@@ -1,6 +1,7 @@
 """Reads files that an untrusted file names: only regular files, and only up to a size.
 
-A pipe, a socket or a device may block for ever or never end, and so may a kernel's file of zero length.
+Reading a pipe, a socket or a device may block or never end, and so may reading a file of the kernel, whose
+length is zero.
 """
 
 import errno
@@ -16,12 +17,14 @@ from linkwright.stages.robot.errors import ConfigError
 from linkwright.stages.robot.text.globs import did_you_mean
 
 NOT_REGULAR = "it is a device, a pipe or a socket, and only regular files are read"
+"""The message about a path that is not a regular file."""
 
 _CHUNK_SIZE = 1 << 20
+"""Number of bytes that are read at a time for a digest."""
 
 
 class FileTooLarge(Exception):
-    """An error of a file of `size` [bytes] that is larger than what is read."""
+    """An error of a file whose `size` [bytes] is above the limit."""
 
     def __init__(self, size: int) -> None:
         super().__init__(size)
@@ -29,17 +32,17 @@ class FileTooLarge(Exception):
 
 
 def is_file(path: Path) -> bool:
-    """Returns whether there is a regular file; False too for a name that no file can have."""
-    return _is(path, stat.S_ISREG)
+    """Returns whether the path is that of a regular file, also through a link."""
+    return _has_mode(path, stat.S_ISREG)
 
 
 def is_special(path: Path) -> bool:
-    """Returns whether the path exists and is neither a file nor a folder."""
-    return _is(path, lambda mode: not stat.S_ISREG(mode) and not stat.S_ISDIR(mode))
+    """Returns whether the path exists and is neither a regular file nor a folder."""
+    return _has_mode(path, lambda mode: not stat.S_ISREG(mode) and not stat.S_ISDIR(mode))
 
 
 def is_endless(path: Path) -> bool:
-    """Returns whether reading the path to its end could block or never finish."""
+    """Returns whether reading the path to its end may block or never end."""
     if is_special(path):
         return True
     try:
@@ -50,9 +53,9 @@ def is_endless(path: Path) -> bool:
 
 
 def require(path: str, key: str, description: str, example: str) -> None:
-    """Raises ConfigError if there is no regular file at `path`, the value of `key`.
+    """Raises ConfigError if `path`, the value of `key`, is not the path of a regular file.
 
-    `description`: the expected kind of file, "a URDF is a file". `example`: a path of such a file.
+    `description`: the expected kind of file, such as "a URDF is a file". `example`: a path of such a file.
     """
     place = Path(path)
     if is_file(place):
@@ -74,14 +77,14 @@ def _files_beside(place: Path) -> list[str]:
 
 
 def content(path: Path, max_size: int) -> bytes:
-    """Returns the content; raises OSError where it is not a readable regular file, FileTooLarge beyond
-    `max_size` bytes."""
+    """Returns the content of a file. Raises OSError if it is not a readable regular file, and FileTooLarge if
+    it has more than `max_size` bytes."""
     with _open_file(path, max_size) as (file, size):
         return file.read(size)
 
 
 def digest(path: Path, max_size: int) -> str:
-    """Returns the SHA-256 of a file's content, in little memory; raises as `content` does."""
+    """Returns the SHA-256 of a file's content, with little memory; raises the same errors as `content`."""
     hasher = sha256()
     with _open_file(path, max_size) as (file, size):
         while size > 0 and (piece := file.read(min(size, _CHUNK_SIZE))):
@@ -92,7 +95,7 @@ def digest(path: Path, max_size: int) -> str:
 
 @contextmanager
 def _open_file(path: Path, max_size: int) -> Iterator[tuple[BinaryIO, int]]:
-    """Yields the file and its size, as the system reports it."""
+    """Yields a file that is open for reading, and its size [bytes]; raises the same errors as `content`."""
     # A pipe without a writer would block here, and a terminal would become ours.
     flags = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
     if is_special(path):
@@ -107,8 +110,9 @@ def _open_file(path: Path, max_size: int) -> Iterator[tuple[BinaryIO, int]]:
         yield file, status.st_size
 
 
-def _is(path: Path, kind: Callable[[int], bool]) -> bool:
+def _has_mode(path: Path, matches: Callable[[int], bool]) -> bool:
+    """Returns whether the mode of an existing path matches."""
     try:
-        return kind(path.stat().st_mode)
-    except (OSError, ValueError):  # a name that no file can have
+        return matches(path.stat().st_mode)
+    except (OSError, ValueError):  # ValueError: a name that no file can have
         return False

@@ -1,4 +1,4 @@
-"""Names files that several stages know."""
+"""Defines the names of files that several stages use."""
 
 VARIANTS = "variants.npz"
-"""Beside the MJCF: robots that differ a little from the robot."""
+"""The file beside the MJCF with the variants of the robot (see `formats.variants`)."""

@@ -5,21 +5,26 @@ import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 
 RESERVED = frozenset({"world"})
+"""Names that simulators use themselves."""
 
 SPELLED = str.maketrans(
     {"ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L"}
 )
-"""Letters that do not decompose into a plain letter and an accent."""
+"""Spelling of letters that do not decompose into a plain letter and an accent."""
 
 MAX_LETTERS = 80
-"""Largest number of letters of a name: files are named by it, and their names may have 255."""
+"""Largest number of letters of a legal name, without the number of its instance. Names of files, which may
+have 255 letters, consist of a few of these."""
+
+_MAX_COUNTED = 100
+"""Suffix from which free suffixes are searched for by bisection."""
 
 
 def legal_name(text: str) -> str:
-    """Returns `text` in [A-Za-z0-9_], lower case, words joined by "_", cut short; "" where nothing is left.
+    """Returns `text` in the letters a-z, 0-9 and _, with at most `MAX_LETTERS`; "" if no letter is left.
 
-    The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
-    renames the first.
+    The instance suffix " <1>" is left out, and " <3>" becomes "_3", so that a second instance does not rename
+    the first.
     """
     text, suffix = _instance(text)
     plain = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
@@ -28,20 +33,22 @@ def legal_name(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Returns `text` in [A-Za-z0-9_], changed as little as possible."""
+    """Returns `text` in the letters A-Z, a-z, 0-9 and _, changed as little as possible; "unnamed" if no
+    letter is left."""
     if re.fullmatch("[A-Za-z0-9_]+", text):
         return text
-    bare = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
-    return re.sub(r"[^A-Za-z0-9]+", "_", bare).strip("_") or "unnamed"
+    ascii_text = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9]+", "_", ascii_text).strip("_") or "unnamed"
 
 
 def legal_name_or_unnamed(text: str) -> str:
-    """Returns the legal name, or "unnamed" with the instance's number where no letter of it is legal."""
+    """Returns the legal name; if no letter is left, "unnamed" with the suffix of the instance."""
     return legal_name(text) or "unnamed" + _instance(text)[1]
 
 
 def _instance(text: str) -> tuple[str, str]:
-    """Returns a name without its instance suffix, and the replacement of that: "" for <1>, "_3" for <3>."""
+    """Returns a name without its instance suffix, and the legal form of the suffix: "" for <1>, "_3" for
+    <3>."""
     match = re.fullmatch(r"(.*?)\s*<(\d+)>\s*", text, flags=re.DOTALL)
     if not match:
         return text, ""
@@ -53,8 +60,8 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[st
     """Returns a unique legal name for each key, from the shortest tail of its path that no other path shares.
 
     `paths`: key → words from the outermost to the innermost ("leg <2>", "foot <1>"). Names in `taken_names`
-    and reserved names are avoided. Names that are still alike after the whole path get "_2", "_3" in the
-    order of the paths, then of the keys, so the order of the mapping never matters.
+    and reserved names are avoided. Names that are equal even with the whole path get "_2", "_3" in the order
+    of the paths, then of the keys, so that the order of the mapping does not matter.
     """
     taken_names = set(taken_names) | RESERVED
     words = {key: [legal_name_or_unnamed(word) for word in path] for key, path in paths.items()}
@@ -84,14 +91,14 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[st
 
 
 def free_name(name: str, taken_names: set[str]) -> str:
-    """Returns `name` if it is free, else `name` with the first free suffix of _2, _3, ...; after many of
-    them, with any free suffix."""
+    """Returns `name` if it is not taken, else `name` with the first free suffix of _2, _3, ...; if all below
+    `_MAX_COUNTED` are taken, with any free suffix."""
     if name not in taken_names:
         return name
     for count in range(2, _MAX_COUNTED):
         if f"{name}_{count}" not in taken_names:
             return f"{name}_{count}"
-    # Without gaps this finds the first too, in log n steps in place of n.
+    # If the taken suffixes have no gaps, this finds the first free suffix too, in log n steps instead of n.
     low, high = _MAX_COUNTED - 1, 2 * _MAX_COUNTED
     while f"{name}_{high}" in taken_names:
         low, high = high, 2 * high
@@ -99,7 +106,3 @@ def free_name(name: str, taken_names: set[str]) -> str:
         middle = (low + high) // 2
         low, high = (middle, high) if f"{name}_{middle}" in taken_names else (low, middle)
     return f"{name}_{high}"
-
-
-_MAX_COUNTED = 100
-"""Suffixes below this are tried one by one."""

@@ -1,5 +1,4 @@
-"""Makes text that a terminal, a log or an XML file can show: the only place that replaces control
-characters."""
+"""Makes text that a terminal, a log or an XML file can show. No other module replaces control characters."""
 
 import re
 import unicodedata
@@ -7,34 +6,34 @@ from typing import Any
 
 _UNPRINTABLE = re.compile(
     "["
-    "\x00-\x08\x0b-\x1f\x7f-\x9f"  # C0 but tab and line feed, DEL, C1: cursor, colour, OSC, CSI
-    "\xad\u200b\u2060-\u2064\ufeff"  # takes no room, so that two names look alike
-    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # turns the order of what is read
+    "\x00-\x08\x0b-\x1f\x7f-\x9f"  # C0 except tab and line feed, DEL, C1: cursor, colour, OSC, CSI
+    "\xad\u200b\u2060-\u2064\ufeff"  # no width, so that two names look alike
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # change the direction of text
     "\u180e\u206a-\u206f\ufff9-\ufffb\U000e0000-\U000e007f"  # invisible formats and tags
-    "\u2028\u2029"  # ends a line for some readers only
-    "\ud800-\udfff\ufffe\uffff"  # no characters: XML forbids them, and they cannot be written
+    "\u2028\u2029"  # line ends for some readers only
+    "\ud800-\udfff\ufffe\uffff"  # surrogates and non-characters, which XML forbids
     "]"
 )
-"""Invisible characters in a text that a terminal or an XML reader interprets or refuses.
+"""Invisible characters that a terminal or an XML reader interprets or refuses.
 
 Joiners (U+200C, U+200D) stay: emoji, Persian and Indic words are made of them.
 """
 
 
 def printable(text: str) -> str:
-    """Returns `text` on one line, each control character in it as JSON writes it: `\\u001b`, `\\n`."""
+    """Returns `text` on a single line, with control characters as JSON writes them (`\\u001b`, `\\n`) and
+    tabs as spaces."""
     return printable_lines(text).replace("\n", "\\n").replace("\t", " ")
 
 
 def printable_lines(text: str) -> str:
-    """Returns `text` with control characters replaced, except line feeds and tabs. JSON remains the same
-    JSON."""
+    """Returns `text` with control characters as JSON writes them (`\\u001b`), except line feeds and tabs. A
+    text that is JSON keeps its meaning."""
     return _UNPRINTABLE.sub(_escaped, text)
 
 
 def sentence(text: str) -> str:
-    """Puts a message on one line, with a space in place of each line break, which messages of libraries
-    have."""
+    """Returns a message on a single line: line breaks, as in messages of libraries, become spaces."""
     return printable(re.sub(r"[ \t]*\n[ \t\n]*", " ", text.rstrip(" \t\n")))
 
 
@@ -44,12 +43,14 @@ def columns(text: str) -> int:
 
 
 def _escaped(match: re.Match[str]) -> str:
+    """Returns a character as JSON writes it, one beyond U+FFFF as two surrogates."""
     code = match[0].encode("utf-16-be", "surrogatepass").hex()
     return "".join(f"\\u{code[start : start + 4]}" for start in range(0, len(code), 4))
 
 
 def join_lines(value: Any) -> Any:
-    """Replaces line breaks and runs of blanks in a value's texts by spaces."""
+    """Returns a value of YAML in which texts with line breaks are on a single line: each run of white space
+    is a space."""
     if isinstance(value, str):
         return " ".join(value.split()) if "\n" in value else value
     if isinstance(value, dict):

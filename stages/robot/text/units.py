@@ -1,6 +1,6 @@
-"""Converts units as Onshape's users write them: factors to SI, and their measures.
+"""Lists units of length and angle, by the names that users of Onshape write, with their sizes in SI.
 
-Factors: the inch is 0.0254 m exactly (international yard and pound agreement, 1959).
+The inch is 0.0254 m exactly (international yard and pound agreement, 1959).
 """
 
 import math
@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from typing import Literal
 
 Measure = Literal["length", "angle"]
+"""The quantity that a unit measures."""
 
 SI: Mapping[Measure, str] = {"length": "m", "angle": "rad"}
-"""The unit of each measure in which numbers without a unit are given."""
+"""Measure → its unit in SI, which is the unit of numbers without a unit."""
 
+# Size in SI → names of the unit.
 _LENGTHS = {
     1e-9: ("nm", "nanometer", "nanometers", "nanometre", "nanometres"),
     1e-6: ("um", "µm", "micrometer", "micrometers", "micron", "microns"),
