@@ -10,7 +10,7 @@ from linkwright.stages.export.mjcf.sensing.cameras import unknown_frames
 from linkwright.stages.export.sensors.mounts import mounts_of, report_unknown_mount
 from linkwright.stages.export.sensors.of_dofs import joint_sensors, report_unmatched
 from linkwright.stages.export.variants.names import possible_quantities
-from linkwright.stages.export.variants.shares import matched_by
+from linkwright.stages.export.variants.shares import quantities_by_glob
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.model.robot import Robot
@@ -27,7 +27,7 @@ def unknown_names(robot: Robot, keys: "ExportSections") -> list[Diagnostic]:
     _check_sensors(robot, keys, log)
     log.add(unknown_frames(robot, keys.scene.cameras))
     if keys.has_variants and not keys.elements:  # with elements only the finished file says what there is
-        matched_by(keys.variants.ranges, possible_quantities(robot), log)
+        quantities_by_glob(keys.variants.ranges, possible_quantities(robot), log)
     return log.problems
 
 

@@ -7,14 +7,14 @@ from linkwright.stages.formats.usd.actuator_facts import supported_actuators
 from linkwright.stages.robot.model.actuation import Actuator
 
 
-def write_actuators(above: Prim, actuators: Sequence[Actuator], joints: Mapping[str, Prim]) -> None:
-    """Writes a prim for each actuator that the schema knows and whose dof is a joint. `joints`: dof →
-    prim."""
-    for name, actuator, attributes in supported_actuators(actuators, joints):
-        prim = above.child(name, "MjcActuator")
+def write_actuators(scope: Prim, actuators: Sequence[Actuator], prims_by_dof: Mapping[str, Prim]) -> None:
+    """Writes a prim below `scope` for each actuator that the schema supports and whose dof has a joint.
+    `prims_by_dof`: dof → prim of its joint."""
+    for name, actuator, attributes in supported_actuators(actuators, prims_by_dof):
+        prim = scope.child(name, "MjcActuator")
         if name != actuator.name:
             prim.set_display_name(actuator.name)
-        prim.point_to("mjc:target", joints[actuator.dof])
+        prim.point_to("mjc:target", prims_by_dof[actuator.dof])
         for attribute, token in attributes.tokens.items():
             prim.token(attribute, token)
         for attribute, values in attributes.arrays.items():

@@ -1,4 +1,4 @@
-"""Computes where the rigid bodies of a USD stand, and writes their mass properties in single precision."""
+"""Computes the poses of a USD's rigid bodies, and writes their mass properties in single precision."""
 
 import numpy as np
 
@@ -22,17 +22,18 @@ def body_poses(
     world_from_root: Array,
 ) -> dict[str, Array]:
     """Returns world_from_body (4, 4) of every body by the name of its prim, with the dofs at `q`. `zeros`:
-    the values of balls at which their joints are at zero."""
+    the values in `q` of the balls whose joints are at zero there."""
     root_from_link = link_poses(robot, q)
     poses = {names.links[link]: world_from_root @ pose for link, pose in root_from_link.items()}
     values = dict(q)
     for loop in robot.loops:
         values |= closing_values(loop, relative_pose(loop, root_from_link))
+    # The frame of such a joint has the value of its ball already.
     values |= {name: at_rest("ball") for name in zeros}
     for joint in joints:
+        # The bodies of the robot's links have poses: this is a link between two dofs.
         if joint.second not in poses:
             assert joint.dof is not None
-            assert joint.first is not None
             dof_motion = motion(joint.dof.kind, joint.dof.axis, values[joint.dof.name])
             body_from_joint = joint.second_from_joint
             # The dof moves the body away from the pose in which its joint is at zero.
@@ -43,19 +44,19 @@ def body_poses(
 
 
 def write_mass(body: Prim, inertial: Inertial) -> None:
-    """Writes the mass properties. A body without mass gets a negligible one, since engines would invent a
-    mass."""
+    """Writes the mass properties of a body. A body without mass gets a negligible mass, since engines would
+    invent one."""
     body_inertial = inertial if inertial.mass > 0 else TINY_INERTIAL
     body.apply("PhysicsMassAPI")
     body.number("physics:mass", body_inertial.mass)
     body.floats("physics:centerOfMass", "point3f", body_inertial.com, LENGTH)
     # The axes are those of the rounded tensor, since further digits differ between machines.
     moments, axes = principal_axes(rounded_tensor(body_inertial.inertia))
-    body.set("physics:diagonalInertia", "float3", tuple(single(rounded(moments))))
+    body.set("physics:diagonalInertia", "float3", tuple(_in_single_precision(rounded(moments))))
     body.rotation("physics:principalAxes", axes)
 
 
-def single(moments: list[float]) -> list[float]:
+def _in_single_precision(moments: list[float]) -> list[float]:
     """Returns principal moments in single precision, rounded so that none exceeds the sum of the other two.
     For a flat body the largest equals this sum, and plain rounding could make it larger."""
     values = np.array(moments, dtype=np.float32)

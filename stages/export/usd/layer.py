@@ -1,4 +1,4 @@
-"""Writes layers of USD, prim by prim; the only module that imports `pxr`.
+"""Writes layers of USD, prim by prim; no other module of the export imports `pxr`.
 
 Schemas are named, not looked up, so that schemas of PhysX and Newton, which `usd-core` does not know, are
 written like any other. Numbers are rounded as in the other formats: a number far below the largest of its
@@ -19,7 +19,7 @@ from linkwright.stages.formats.numbers import LENGTH, TURN, number, numbers
 from linkwright.stages.robot.model.poses import quat_from_rotation
 from linkwright.stages.robot.model.robot import Array
 
-_TYPES: Mapping[str, Any] = {
+_VALUE_TYPES: Mapping[str, Any] = {
     "asset": Sdf.ValueTypeNames.Asset,
     "bool": Sdf.ValueTypeNames.Bool,
     "color3f": Sdf.ValueTypeNames.Color3f,
@@ -33,7 +33,6 @@ _TYPES: Mapping[str, Any] = {
     "float3": Sdf.ValueTypeNames.Float3,
     "float3[]": Sdf.ValueTypeNames.Float3Array,
     "float4": Sdf.ValueTypeNames.Float4,
-    "int": Sdf.ValueTypeNames.Int,
     "int[]": Sdf.ValueTypeNames.IntArray,
     "point3f": Sdf.ValueTypeNames.Point3f,
     "point3f[]": Sdf.ValueTypeNames.Point3fArray,
@@ -43,10 +42,10 @@ _TYPES: Mapping[str, Any] = {
     "texCoord2f[]": Sdf.ValueTypeNames.TexCoord2fArray,
     "token": Sdf.ValueTypeNames.Token,
     "token[]": Sdf.ValueTypeNames.TokenArray,
-    "vector3f": Sdf.ValueTypeNames.Vector3f,
 }
+"""Name of a type in USD → the type of an attribute."""
 
-_ARRAYS: Mapping[str, Any] = {
+_ARRAY_TYPES: Mapping[str, Any] = {
     "color3f[]": Vt.Vec3fArray,
     "float3[]": Vt.Vec3fArray,
     "double[]": Vt.DoubleArray,
@@ -56,6 +55,7 @@ _ARRAYS: Mapping[str, Any] = {
     "texCoord2f[]": Vt.Vec2fArray,
     "token[]": Vt.TokenArray,
 }
+"""Name of a type of arrays → the class of its values."""
 
 
 class Prim:
@@ -78,32 +78,35 @@ class Prim:
     def apply(self, *schemas: str) -> None:
         """Applies schemas after those that are applied already."""
         if schemas:
-            applied = (
+            earlier_schemas = (
                 self._spec.GetInfo("apiSchemas").prependedItems if self._spec.HasInfo("apiSchemas") else []
             )
             schema_list = Sdf.TokenListOp()
-            schema_list.prependedItems = [*applied, *schemas]
+            schema_list.prependedItems = [*earlier_schemas, *schemas]
             self._spec.SetInfo("apiSchemas", schema_list)
 
     def set(self, name: str, kind: str, value: Any, *, uniform: bool = False) -> None:
-        """Adds an attribute of a type of USD."""
-        vary = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
-        attribute = Sdf.AttributeSpec(self._spec, name, _TYPES[kind], vary)
+        """Adds an attribute of the type `kind`; None: without a value. A uniform attribute cannot change over
+        time."""
+        variability = Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying
+        attribute = Sdf.AttributeSpec(self._spec, name, _VALUE_TYPES[kind], variability)
         if value is not None:
-            attribute.default = _ARRAYS[kind](value) if kind in _ARRAYS else value
+            attribute.default = _ARRAY_TYPES[kind](value) if kind in _ARRAY_TYPES else value
 
     def floats(self, name: str, kind: str, values: Iterable[float], least: float = 0.0) -> None:
-        """Adds an attribute of several numbers, rounded as their texts in other formats."""
+        """Adds an attribute that is a vector, rounded as its texts in other formats. `least`: as in
+        `numbers`."""
         self.set(name, kind, tuple(rounded(values, least)))
 
     def number(
         self, name: str, value: float, kind: str = "float", least: float = 0.0, *, uniform: bool = False
     ) -> None:
-        """Adds an attribute that is a number."""
+        """Adds an attribute that is a number, rounded as its text in other formats. `least`: as in
+        `number`."""
         self.set(name, kind, float(number(value, least=least)), uniform=uniform)
 
     def doubles(self, name: str, values: Iterable[float]) -> None:
-        """Adds a uniform attribute of many numbers in double precision, rounded as their texts."""
+        """Adds a uniform attribute of many numbers in double precision, each rounded by itself."""
         self.set(name, "double[]", [float(number(value)) for value in values], uniform=True)
 
     def token(self, name: str, value: str) -> None:
@@ -111,18 +114,19 @@ class Prim:
         self.set(name, "token", value, uniform=True)
 
     def point_to(self, name: str, *targets: "Prim | str") -> None:
-        """Adds a relationship."""
+        """Adds a relationship to prims, or to paths."""
         relationship = Sdf.RelationshipSpec(self._spec, name, custom=False)
         for target in targets:
             relationship.targetPathList.Prepend(target.path if isinstance(target, Prim) else target)
 
     def connect(self, name: str, kind: str, source: str) -> None:
-        """Adds an attribute that gets its value from another attribute."""
-        attribute = Sdf.AttributeSpec(self._spec, name, _TYPES[kind])
+        """Adds an attribute that gets its value from another attribute, at the path `source`."""
+        attribute = Sdf.AttributeSpec(self._spec, name, _VALUE_TYPES[kind])
         attribute.connectionPathList.Prepend(source)
 
     def refer(self, path: str, layer: str = "", *, instance: bool = False) -> None:
-        """Makes this prim a reference to `path` in a layer beside this one, if requested as an instance."""
+        """Makes this prim a reference to the prim at `path` in a layer beside this one ("": in this layer).
+        Instances of the same prim share its content."""
         self._spec.referenceList.Prepend(Sdf.Reference(layer, path))
         if instance:
             self._spec.instanceable = True
@@ -155,15 +159,15 @@ class Prim:
         self.set(name, "quatf", Gf.Quatf(w, Gf.Vec3f(*xyz)))
 
     def interpolate(self, name: str, mode: str) -> None:
-        """Sets the interpolation of a primvar: a value for each corner of each face (`faceVarying`), or for
-        each face (`uniform`)."""
+        """Sets what a primvar has values for: each corner of each face (`faceVarying`), or each face
+        (`uniform`)."""
         self._spec.attributes[name].SetInfo("interpolation", mode)
 
     def array(self, name: str, kind: str, values: npt.NDArray[Any]) -> None:
         """Adds an attribute of many numbers, without rounding."""
         self.set(name, kind, None)
         attribute = self._spec.attributes[name]
-        attribute.default = _ARRAYS[kind].FromNumpy(np.ascontiguousarray(values))
+        attribute.default = _ARRAY_TYPES[kind].FromNumpy(np.ascontiguousarray(values))
 
 
 class Layer:
@@ -180,14 +184,15 @@ class Layer:
         self.root._spec.SetInfo("kind", "component")
 
     def describe(self, key: str, table: Mapping[str, str | int | float | tuple[float, ...]]) -> None:
-        """Sets a table of the layer's own data. A tuple of three numbers becomes a float3."""
+        """Adds a table to the layer's custom data, under `key`. A tuple of three numbers becomes a
+        float3."""
         values = {
             name: Gf.Vec3f(*value) if isinstance(value, tuple) else value for name, value in table.items()
         }
         self._layer.customLayerData = {**self._layer.customLayerData, key: values}
 
     def bytes(self, encoding: Literal["binary", "text"] = "text") -> bytes:
-        """Returns the content of the layer's file."""
+        """Returns the content of the layer's file. Raises OSError if usd-core cannot write it."""
         if encoding == "text":
             return str(self._layer.ExportToString()).encode()
         with tempfile.TemporaryDirectory() as folder:

@@ -9,19 +9,22 @@ from linkwright.stages.formats.numbers import LENGTH, number
 from linkwright.stages.robot.dynamics.inertia import TINY_INERTIAL
 from linkwright.stages.robot.model.robot import Array, Robot
 
-KEY = "SimReady_Metadata"
+METADATA_KEY = "SimReady_Metadata"
+"""Key of the metadata in the custom data of a layer."""
 
-Value = str | int | float | tuple[float, ...]
+MetadataValue = str | int | float | tuple[float, ...]
 
 UNSPECIFIED = "unspecified"
 
 
-def metadata(robot: Robot, keys: UsdFormatSection, bodies: int, size: Array) -> Mapping[str, Value]:
-    """Returns the metadata by the keys that SimReady's requirement SR.004 names. `bodies`: number of bodies
-    in the USD; `size` (3,) [m]: sides of the box around the robot at `home`, not finite for a robot without
-    shapes."""
+def metadata(
+    robot: Robot, keys: UsdFormatSection, body_count: int, size: Array
+) -> Mapping[str, MetadataValue]:
+    """Returns the metadata by the keys that SimReady's requirement SR.004 names. `body_count`: number of
+    bodies in the USD; `size` (3,) [m]: sides of the box around the robot at `home`, not finite for a robot
+    without shapes."""
     extents = size if np.isfinite(size).all() else np.zeros(3)
-    total = sum(link.inertial.mass or TINY_INERTIAL.mass for link in robot.links)
+    total_mass = sum(link.inertial.mass or TINY_INERTIAL.mass for link in robot.links)
     return {
         "author": keys.author,
         "asset_name": robot.name,
@@ -31,7 +34,7 @@ def metadata(robot: Robot, keys: UsdFormatSection, bodies: int, size: Array) -> 
         "source_file": robot.provenance.document or UNSPECIFIED,
         "usd_date_generated": keys.date or UNSPECIFIED,
         "qcode": keys.qcode,
-        "rigid_body_count": bodies,
+        "rigid_body_count": body_count,
         "asset_extents": tuple(float(number(side, least=LENGTH)) for side in extents),
-        "mass": float(number(total)),
+        "mass": float(number(total_mass)),
     }

@@ -218,8 +218,7 @@ class _LayerWriter:
         prim = scope.child(joint.name, f"Physics{joint.type}Joint")
         if robot_name != joint.name:
             prim.set_display_name(robot_name)
-        parent = self.layer.root if joint.first is None else self.bodies[joint.first]
-        prim.point_to("physics:body0", parent)
+        prim.point_to("physics:body0", self.bodies[joint.first])
         prim.point_to("physics:body1", self.bodies[joint.second])
         write_frames(prim, joint.first_from_joint, joint.second_from_joint)
         write_joint(prim, joint)
@@ -242,21 +241,21 @@ class _LayerWriter:
             write_facts(prims_by_dof[relation.follower], facts, prims_by_dof)
 
     def _write_filtered_pairs(self) -> None:
-        """Writes the pairs that must not collide. Bodies that a joint of the tree connects never collide, so
-        they are left out. Bodies that a loop connects are listed, for PhysX."""
+        """Writes the pairs of bodies, or of colliders, that must not collide. Bodies that a joint of the tree
+        connects never collide, so they are left out. Bodies that a loop connects are listed, for PhysX."""
         connected = {frozenset((joint.first, joint.second)) for joint in self.plan.joints if not joint.closes}
-        pairs: dict[str, tuple[Prim, list[Prim]]] = {}
+        targets_by_path: dict[str, tuple[Prim, list[Prim]]] = {}
         links = self.plan.names.links
         for exclude in self.geometry.excludes:
             if frozenset((links[exclude.link_a], links[exclude.link_b])) in connected:
                 continue
-            prims = [(self.bodies[links[exclude.link_a]], self.bodies[links[exclude.link_b]])]
+            prim_pairs = [(self.bodies[links[exclude.link_a]], self.bodies[links[exclude.link_b]])]
             if exclude.geoms:
-                first, second = self.colliders[exclude.link_a], self.colliders[exclude.link_b]
-                prims = [(first[a], second[b]) for a, b in exclude.geoms]
-            for a, b in prims:
-                pairs.setdefault(a.path, (a, []))[1].append(b)
-        for prim, targets in pairs.values():
+                colliders_a, colliders_b = self.colliders[exclude.link_a], self.colliders[exclude.link_b]
+                prim_pairs = [(colliders_a[row], colliders_b[column]) for row, column in exclude.geoms]
+            for first, second in prim_pairs:
+                targets_by_path.setdefault(first.path, (first, []))[1].append(second)
+        for prim, targets in targets_by_path.values():
             prim.apply("PhysicsFilteredPairsAPI")
             prim.point_to("physics:filteredPairs", *targets)
 

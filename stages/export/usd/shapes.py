@@ -19,7 +19,8 @@ from linkwright.stages.robot.text.names import free_name
 Friction = tuple[float, float, float]
 """Coefficients of friction: sliding [-], torsional [m] and rolling [m]."""
 
-_TYPES = {"box": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "capsule": "Capsule"}
+_PRIM_TYPES = {"box": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "capsule": "Capsule"}
+"""Kind of primitive → type of prim."""
 
 _POINT_DIGITS = 6
 """Decimal places [m] to which two surfaces must agree to count as the same."""
@@ -46,7 +47,8 @@ class UsdMeshes:
 
 
 def meshes_layer(geometry: Geometry, path: str) -> tuple[Layer, UsdMeshes]:
-    """Returns the layer of all meshes, each once. `path`: of the layer's file, from the robot's."""
+    """Returns the layer of all meshes, each once. `path`: the path of the layer's file, relative to the
+    robot's file."""
     layer = Layer("meshes", "Scope")
     files = list(dict.fromkeys(shape.file for shape in geometry.shapes if shape.file is not None))
     names = identifiers(_stem(file) for file in files)
@@ -54,8 +56,9 @@ def meshes_layer(geometry: Geometry, path: str) -> tuple[Layer, UsdMeshes]:
     for file in files:
         holder = layer.root.child(names[_stem(file)], "Xform")
         faces = mesh_faces(file, geometry.files[file])
-        _mesh(holder.child("mesh", "Mesh"), faces)
+        _write_mesh(holder.child("mesh", "Mesh"), faces)
         paths[file] = holder.path
+        # Adding 0.0 turns -0.0 into 0.0, which has other bytes.
         rounded_points = np.round(faces.points, _POINT_DIGITS) + 0.0
         surfaces[file] = sha256(rounded_points.tobytes() + faces.triangles.tobytes()).hexdigest()
     return layer, UsdMeshes(f"./{path}", paths, surfaces)
@@ -82,17 +85,19 @@ def _stem(file: str) -> str:
     return file.rsplit(".", 1)[0]
 
 
-def _mesh(prim: Prim, faces: MeshFaces) -> None:
+def _write_mesh(prim: Prim, faces: MeshFaces) -> None:
+    """Writes the triangles of a mesh, with a normal for each triangle and any texture coordinates of their
+    corners."""
     prim.array("points", "point3f[]", faces.points.astype(np.float32))
     prim.array("faceVertexCounts", "int[]", np.full(len(faces.triangles), 3, dtype=np.int32))
     prim.array("faceVertexIndices", "int[]", faces.triangles.astype(np.int32).reshape(-1))
     prim.token("subdivisionScheme", "none")
     if len(faces.points):
-        ends = np.array([faces.points.min(axis=0), faces.points.max(axis=0)], dtype=np.float32)
-        prim.array("extent", "float3[]", ends)
+        corners = np.array([faces.points.min(axis=0), faces.points.max(axis=0)], dtype=np.float32)
+        prim.array("extent", "float3[]", corners)
     # By index: most faces of a part from CAD share their normal with others.
-    directions, index = distinct(np.round(normals(faces), _NORMAL_DIGITS))
-    prim.array("primvars:normals", "normal3f[]", directions.astype(np.float32))
+    distinct_normals, index = distinct(np.round(normals(faces), _NORMAL_DIGITS))
+    prim.array("primvars:normals", "normal3f[]", distinct_normals.astype(np.float32))
     prim.array("primvars:normals:indices", "int[]", index.astype(np.int32))
     prim.interpolate("primvars:normals", "uniform")
     if faces.texcoords is not None:
@@ -111,20 +116,20 @@ class UsdMaterials:
     """Friction → path."""
 
 
-def write_materials(above: Prim, geometry: Geometry) -> UsdMaterials:
-    """Writes the materials of `geometry`, below a prim."""
+def write_materials(scope: Prim, geometry: Geometry) -> UsdMaterials:
+    """Writes the materials of `geometry`, below `scope`."""
     names = materials(geometry)
     used_names: set[str] = set(names.values())
     identifier_of = identifiers(names.values())
     visual = {
-        colour_and_image: _material(above.child(identifier_of[name], "Material"), colour_and_image)
+        colour_and_image: _write_material(scope.child(identifier_of[name], "Material"), colour_and_image)
         for colour_and_image, name in names.items()
     }
     physical = {}
     for friction in _frictions(geometry):
         name = free_name("friction", used_names)
         used_names.add(name)
-        prim = above.child(name, "Material", "PhysicsMaterialAPI", "NewtonMaterialAPI")
+        prim = scope.child(name, "Material", "PhysicsMaterialAPI", "NewtonMaterialAPI")
         for key in ("staticFriction", "dynamicFriction"):
             prim.number(f"physics:{key}", friction[0])
         for key, value in (("torsionalFriction", friction[1]), ("rollingFriction", friction[2])):
@@ -139,7 +144,9 @@ def _frictions(geometry: Geometry) -> Iterator[Friction]:
     yield from dict.fromkeys(friction for friction in frictions if friction is not None)
 
 
-def _material(prim: Prim, paint_of_material: Paint) -> str:
+def _write_material(prim: Prim, paint_of_material: Paint) -> str:
+    """Writes the surface of a visual material, with the image if it has one. Returns the path of the
+    material."""
     colour, texture = paint_of_material
     surface = prim.child("surface", "Shader")
     surface.token("info:id", "UsdPreviewSurface")
@@ -166,25 +173,25 @@ def _material(prim: Prim, paint_of_material: Paint) -> str:
 
 
 def write_visuals(
-    above: Prim,
+    scope: Prim,
     shapes: Sequence[Shape],
     robot_materials: UsdMaterials,
     meshes: UsdMeshes,
     shown: ShownMeshes,
     world_from_link: Array,
 ) -> None:
-    """Writes the visual shapes of a link below a prim, each as an instance of its mesh or as a primitive.
+    """Writes the visual shapes of a link below `scope`, each as an instance of its mesh or as a primitive.
     Only a mesh that the link itself already shows there is made invisible: other links move away."""
     for count, shape in enumerate(shapes, 1):
         name = f"visual_{count}"
         if shape.primitive is None:
             assert shape.file is not None
-            prim = above.child(name, "Xform")
+            prim = scope.child(name, "Xform")
             prim.refer(meshes.paths[shape.file], meshes.layer, instance=True)
             if shape.link in shown.add(shape.file, shape.link, world_from_link):
                 prim.hide()
         else:
-            prim = _primitive(above, name, shape.primitive)
+            prim = _write_primitive(scope, name, shape.primitive)
         colour_and_image = paint(shape)
         if colour_and_image is not None:
             prim.array(
@@ -197,22 +204,22 @@ def write_visuals(
 
 
 def write_colliders(
-    above: Prim,
+    scope: Prim,
     shapes: Sequence[Shape],
     robot_materials: UsdMaterials,
     meshes: UsdMeshes,
     shown: ShownMeshes,
     world_from_link: Array,
 ) -> list[Prim]:
-    """Writes the colliders of a link below a prim, which are convex: primitives, and hulls of meshes. All
-    visuals come first: a collider is invisible if its mesh is already shown there, which changes no
-    contact."""
+    """Writes the colliders of a link below `scope`, which are convex: primitives, and hulls of meshes.
+    Returns their prims. All visuals of the robot come first: a collider is invisible if its mesh is already
+    shown there, which changes no contact."""
     colliders = []
     for count, shape in enumerate(shapes, 1):
         name = f"collision_{count}"
         if shape.primitive is None:
             assert shape.file is not None
-            collider = above.child(
+            collider = scope.child(
                 name, "Mesh", *_COLLIDER_SCHEMAS, "PhysicsMeshCollisionAPI", "NewtonMeshCollisionAPI"
             )
             collider.refer(f"{meshes.paths[shape.file]}/mesh", meshes.layer)
@@ -220,7 +227,7 @@ def write_colliders(
                 collider.hide()
             collider.token("physics:approximation", "convexHull")
         else:
-            collider = _primitive(above, name, shape.primitive)
+            collider = _write_primitive(scope, name, shape.primitive)
             collider.apply(*_COLLIDER_SCHEMAS)
         if shape.contact is not None and shape.contact.friction is not None:
             collider.apply("MaterialBindingAPI")
@@ -229,24 +236,26 @@ def write_colliders(
     return colliders
 
 
-def _primitive(above: Prim, name: str, primitive: Primitive) -> Prim:
-    prim, size = above.child(name, _TYPES[primitive.kind]), primitive.size
+def _write_primitive(parent: Prim, name: str, primitive: Primitive) -> Prim:
+    """Writes a primitive at its pose below `parent`. A box is a cube of side 1 m, scaled along its axes."""
+    prim, size = parent.child(name, _PRIM_TYPES[primitive.kind]), primitive.size
     if primitive.kind == "box":
         prim.number("size", 1.0, "double")
-        _extent(prim, np.full(3, 0.5))
+        _write_extent(prim, np.full(3, 0.5))
         prim.place(primitive.link_from_shape, size)
         return prim
     radius = size[0]
     prim.number("radius", radius, "double")
-    half = np.full(3, radius)
+    half_sizes = np.full(3, radius)
     if primitive.kind != "sphere":
         prim.number("height", size[1], "double")
         prim.token("axis", "Z")
-        half[2] = size[1] / 2 + (radius if primitive.kind == "capsule" else 0.0)
-    _extent(prim, half)
+        half_sizes[2] = size[1] / 2 + (radius if primitive.kind == "capsule" else 0.0)
+    _write_extent(prim, half_sizes)
     prim.place(primitive.link_from_shape)
     return prim
 
 
-def _extent(prim: Prim, half: Array) -> None:
-    prim.array("extent", "float3[]", np.array([-half, half], dtype=np.float32))
+def _write_extent(prim: Prim, half_sizes: Array) -> None:
+    """Writes the box around a primitive in its own frame, before its scale. `half_sizes` (3,) [m]."""
+    prim.array("extent", "float3[]", np.array([-half_sizes, half_sizes], dtype=np.float32))

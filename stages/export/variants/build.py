@@ -21,15 +21,15 @@ from linkwright.stages.robot.text.globs import name_list
 if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSections
 
-NO_MJCF_HINT = "choose mjcf in `export`, or take `variants` out"
+NO_MJCF_HINT = "choose mjcf in `export`, or remove `variants`"
 
 
 def make_variants(written: Written, sections: "ExportSections", files: Mapping[str, bytes]) -> VariantFiles:
     """Makes the variants that the configuration requests. `files`: the robot's files, by path.
 
-    If it requests none, the result holds only idle keys (I-IDLE-KEY). If MuJoCo cannot compile the MJCF, the
-    result is empty, and the validate stage reports the error. Raises AssemblyError (E-GLOB) for a glob that
-    matches no quantity.
+    If it requests none, the result holds only idle keys (I-IDLE-KEY); without an MJCF, only a warning
+    (W-VARIANTS). If MuJoCo cannot compile the MJCF, the result is empty, and the validate stage reports the
+    error. Raises AssemblyError (E-GLOB) for a glob that matches no quantity.
     """
     request = sections.variants
     if not request.n:
@@ -49,7 +49,7 @@ def make_variants(written: Written, sections: "ExportSections", files: Mapping[s
     shares = shares_of({quantity.key: quantity.origin for quantity in known_quantities}, request.ranges, log)
     log.raise_errors()
     fields = VariedFields(model, request.seed, request.n)
-    varied = [
+    varied_quantities = [
         quantity
         for quantity in known_quantities
         if shares.get(quantity.key) and fields.vary(quantity, shares[quantity.key])
@@ -57,11 +57,12 @@ def make_variants(written: Written, sections: "ExportSections", files: Mapping[s
     variants = Variants(
         request.seed, digest_of(mjcf), names_in(model), model.geom_bodyid, places(model), fields.arrays()
     )
-    rows = tuple(
-        VariedQuantityRecord(quantity.key, quantity.origin, shares[quantity.key]) for quantity in varied
+    quantity_records = tuple(
+        VariedQuantityRecord(quantity.key, quantity.origin, shares[quantity.key])
+        for quantity in varied_quantities
     )
-    record = VariantsRecord(VARIANTS, request.n, request.seed, tuple(variants.fields), rows)
-    diagnostics = (*log.notes, *_unvaried_bodies(fields))
+    record = VariantsRecord(VARIANTS, request.n, request.seed, tuple(variants.fields), quantity_records)
+    diagnostics = (*log.notes, *_fixed_centres(fields))
     return VariantFiles({VARIANTS: variants.to_bytes()}, {"variants": record}, diagnostics, _summary(record))
 
 
@@ -77,7 +78,8 @@ def _idle_keys(sections: "ExportSections") -> tuple[Diagnostic, ...]:
     )
 
 
-def _unvaried_bodies(fields: VariedFields) -> list[Diagnostic]:
+def _fixed_centres(fields: VariedFields) -> list[Diagnostic]:
+    """Reports the bodies whose centre of mass should vary and cannot (I-VARIANTS)."""
     if not fields.fixed_centres:
         return []
     text = (
@@ -89,9 +91,12 @@ def _unvaried_bodies(fields: VariedFields) -> list[Diagnostic]:
 
 def _summary(record: VariantsRecord) -> dict[str, Any]:
     """Returns the variants' entry in the report: the varied quantities, by origin and share."""
-    kinds: dict[tuple[str, float], list[str]] = {}
+    groups: dict[tuple[str, float], list[str]] = {}
     for varied in record.varied:
-        kinds.setdefault((varied.origin, varied.share), []).append(varied.quantity)
-    order = sorted(kinds, key=lambda kind: (list(SHARE_BY_ORIGIN).index(kind[0]), kind[1]))
-    rows = [{"origin": origin, "share": share, "of": kinds[origin, share]} for origin, share in order]
+        groups.setdefault((varied.origin, varied.share), []).append(varied.quantity)
+    origins = list(SHARE_BY_ORIGIN)
+    order = sorted(
+        groups, key=lambda origin_and_share: (origins.index(origin_and_share[0]), origin_and_share[1])
+    )
+    rows = [{"origin": origin, "share": share, "of": groups[origin, share]} for origin, share in order]
     return {"n": record.n, "seed": record.seed, "fields": list(record.fields), "rows": rows}

@@ -12,19 +12,16 @@ import numpy.typing as npt
 Column = npt.NDArray[np.float64]
 """One number for each variant (n,)."""
 
-MAX_COUNT = 8
-"""Largest number of columns: a hash of 64 bytes holds as many numbers."""
-
 
 def draws(seed: int, quantity: str, n: int, count: int) -> list[Column]:
-    """Returns `count` columns (at most 8), each with the numbers of the variants 0 to n - 1, evenly spread
-    over -1 to 1."""
-    start = blake2b(f"{seed}\n{quantity}\n".encode(), digest_size=8 * count)
+    """Returns `count` columns, each with the numbers of the variants 0 to n - 1, evenly spread over -1 to 1.
+    At most 8 columns: each needs 8 bytes of a hash, which has at most 64."""
+    common_hash = blake2b(f"{seed}\n{quantity}\n".encode(), digest_size=8 * count)
     digests = []
     for variant in range(n):
-        hashed = start.copy()
-        hashed.update(b"%d" % variant)
-        digests.append(hashed.digest())
+        variant_hash = common_hash.copy()
+        variant_hash.update(b"%d" % variant)
+        digests.append(variant_hash.digest())
     integers = np.frombuffer(b"".join(digests), "<u8").reshape(n, count) >> 11
     # A float64 holds 53 bits, so each step is exact.
     return list((integers.astype(np.float64) * 2.0**-52 - 1.0).T)

@@ -14,7 +14,8 @@ from linkwright.stages.mujoco.parameters import Entry, actuator_parameters, join
 from linkwright.stages.robot.model.actuation import Actuator
 from linkwright.stages.robot.model.robot import Dof, Link
 
-MAJORITY = 0.5
+MAJORITY_SHARE = 0.5
+"""Share of a link's mass above which parts decide the origin of its mass properties."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,24 +43,29 @@ class VariedQuantity:
 def quantities(model: Any, written: Written) -> list[VariedQuantity]:
     """Returns the quantities of the links, joints and actuators in the MJCF, in its order, including those
     that the user's own XML adds."""
-    return [*_of_links(model, written), *_of_joints(model, written), *_of_actuators(model, written)]
+    return [
+        *_link_quantities(model, written),
+        *_joint_quantities(model, written),
+        *_actuator_quantities(model, written),
+    ]
 
 
-def _of_links(model: Any, written: Written) -> Iterator[VariedQuantity]:
+def _link_quantities(model: Any, written: Written) -> Iterator[VariedQuantity]:
     links = {link.name: link for link in written.as_mjcf.robot.links}
-    contacts = _friction_origins(written)
-    carried = {carrier.name: carrier.carried for carrier in Closures(written.as_mjcf.robot).carriers}
-    shares: dict[str, list[int]] = {}
-    for carrier, link in carried.items():
-        shares.setdefault(link, []).append(body_index(model, carrier))
+    friction_origins = _friction_origins(written)
+    link_of_carrier = {carrier.name: carrier.carried for carrier in Closures(written.as_mjcf.robot).carriers}
+    carriers_by_link: dict[str, list[int]] = {}
+    for carrier, link in link_of_carrier.items():
+        carriers_by_link.setdefault(link, []).append(body_index(model, carrier))
     for body in range(1, model.nbody):
         name = name_of(model, OBJ.mjOBJ_BODY, body)
-        if not name or name in carried:
+        if not name or name in link_of_carrier:
             continue
         if model.body_mass[body] > 0:
-            origin = _of_mass(links.get(name))
+            origin = _mass_origin(links.get(name))
             # The bodies that carry the joints of loops have shares of the link's mass.
-            yield VariedQuantity(f"links.{name}.mass", origin, bodies=(body, *shares.get(name, ())))
+            bodies = (body, *carriers_by_link.get(name, ()))
+            yield VariedQuantity(f"links.{name}.mass", origin, bodies=bodies)
             yield VariedQuantity(f"links.{name}.com", origin, bodies=(body,))
             yield VariedQuantity(f"links.{name}.inertia", origin, bodies=(body,))
         first = int(model.body_geomadr[body])
@@ -67,15 +73,15 @@ def _of_links(model: Any, written: Written) -> Iterator[VariedQuantity]:
         colliding = [geom for geom in geoms if model.geom_contype[geom] or model.geom_conaffinity[geom]]
         if colliding:
             entries = tuple(("geom_friction", (geom, k)) for geom in colliding for k in range(3))
-            yield VariedQuantity(f"links.{name}.friction", contacts.get(name, "unset"), entries)
+            yield VariedQuantity(f"links.{name}.friction", friction_origins.get(name, "unset"), entries)
 
 
-def _of_mass(link: Link | None) -> str:
+def _mass_origin(link: Link | None) -> str:
     """Returns the origin of most of a link's mass; "given" for a link that only the user's own XML has."""
     if link is None or link.given is not None:
         return "given"
     estimated = sum(part.inertial.mass for part in link.parts if part.estimated)
-    return "estimated" if estimated > MAJORITY * link.inertial.mass else "source"
+    return "estimated" if estimated > MAJORITY_SHARE * link.inertial.mass else "source"
 
 
 def _friction_origins(written: Written) -> dict[str, str]:
@@ -90,7 +96,7 @@ def _friction_origins(written: Written) -> dict[str, str]:
     return origins
 
 
-def _of_joints(model: Any, written: Written) -> Iterator[VariedQuantity]:
+def _joint_quantities(model: Any, written: Written) -> Iterator[VariedQuantity]:
     robot = written.robot
     dofs = {dof.name: dof for dof in [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]}
     estimated = {armature.dof for armature in written.actuation.armatures}
@@ -100,43 +106,48 @@ def _of_joints(model: Any, written: Written) -> Iterator[VariedQuantity]:
             continue
         dof = dofs.get(name)
         origins = {} if dof is None else provenance(dof, name in estimated, written.actuation.supplied)
-        origins["stiffness"] = _of_spring(dof)
+        origins["stiffness"] = _stiffness_origin(dof)
         for quantity, entries in joint_parameters(model, joint):
             yield VariedQuantity(
-                f"joints.{name}.{quantity}", _widest(origins.get(quantity, "given")), entries
+                f"joints.{name}.{quantity}", _least_certain(origins.get(quantity, "given")), entries
             )
 
 
-def _of_spring(dof: Dof | None) -> str:
-    return "given" if dof is None else "source" if dof.spring is not None else "unset"
+def _stiffness_origin(dof: Dof | None) -> str:
+    """Returns the origin of a joint's stiffness; "given" for a joint that only the user's own XML has."""
+    if dof is None:
+        return "given"
+    return "source" if dof.spring is not None else "unset"
 
 
-def _of_actuators(model: Any, written: Written) -> Iterator[VariedQuantity]:
+def _actuator_quantities(model: Any, written: Written) -> Iterator[VariedQuantity]:
     actuators = {actuator.name: actuator for actuator in written.actuation.actuators}
-    source = {source_actuator.name for source_actuator in written.robot.actuators}
+    source_names = {source_actuator.name for source_actuator in written.robot.actuators}
     for index in range(actuator_count(model)):
         name = name_of(model, OBJ.mjOBJ_ACTUATOR, index)
         if not name:
             continue
         actuator = actuators.get(name)
-        default = "source" if name in source and actuator is not None and not actuator.motor else "given"
+        is_of_source = name in source_names and actuator is not None and not actuator.motor
+        default = "source" if is_of_source else "given"
         for quantity, entries in actuator_parameters(model, index):
-            origin = _of_parameter(actuator, quantity) or default
+            origin = _parameter_origin(actuator, quantity) or default
             yield VariedQuantity(f"actuators.{name}.{quantity}", origin, entries)
 
 
-def _of_parameter(actuator: Actuator | None, name: str) -> str:
-    """Returns the origin of an actuator's parameter, or "" if the actuator does not tell it."""
+def _parameter_origin(actuator: Actuator | None, name: str) -> str:
+    """Returns the origin of an actuator's parameter; "" if the actuator does not have it."""
     if actuator is None:
         return ""
     if name in actuator.estimated:
         return "estimated"
-    source = dict(actuator.sources).get({"force": "forcerange"}.get(name, name))
-    return "" if source is None else _widest(source)
+    # The configuration calls the range of the force as MJCF does.
+    source = dict(actuator.sources).get("forcerange" if name == "force" else name)
+    return "" if source is None else _least_certain(source)
 
 
-def _widest(origin: str) -> str:
+def _least_certain(origin: str) -> str:
     """Returns an origin as a key of `SHARE_BY_ORIGIN`. If it names several values of a motor, the least
-    certain counts."""
+    certain counts; a text that names no kind of value counts as "given"."""
     kinds = [origin] if origin in SHARE_BY_ORIGIN else kinds_of(origin)
     return max(kinds, key=lambda kind: SHARE_BY_ORIGIN[kind], default="given")

@@ -9,6 +9,7 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.text.globs import matching_indices, no_match_hint
 
 CONFIG_KEY = "variants.ranges"
+"""The key of the configuration that has the globs."""
 
 SHARE_BY_ORIGIN: Mapping[str, float] = {
     "measured": 0.05,
@@ -27,10 +28,11 @@ estimated: by Linkwright; unset: MuJoCo's default."""
 def shares_of(
     origins: Mapping[str, str], ranges: Mapping[str, float | str], log: Diagnostics
 ) -> dict[str, float]:
-    """Returns the share of each quantity that a glob matches. `origins`: quantity → origin of its value;
-    `ranges`: glob → share, or a text for the share in `SHARE_BY_ORIGIN`."""
+    """Returns the share of each quantity that a glob matches; of several globs, the last counts. `origins`:
+    quantity → origin of its value; `ranges`: glob → share, or "auto" for the share in
+    `SHARE_BY_ORIGIN`."""
     shares: dict[str, float] = {}
-    for glob, names in matched_by(ranges, list(origins), log).items():
+    for glob, names in quantities_by_glob(ranges, list(origins), log).items():
         share = ranges[glob]
         shares |= {
             name: SHARE_BY_ORIGIN[origins[name]] if isinstance(share, str) else share for name in names
@@ -38,13 +40,15 @@ def shares_of(
     return shares
 
 
-def matched_by(
+def quantities_by_glob(
     ranges: Mapping[str, float | str], quantities: Sequence[str], log: Diagnostics
 ) -> dict[str, list[str]]:
     """Returns the quantities that each glob matches. Reports a glob without any match (E-GLOB)."""
     names = [{name} for name in quantities]
     matches = {glob: [quantities[number] for number in matching_indices(glob, names)] for glob in ranges}
-    for glob in (glob for glob, matched in matches.items() if not matched):
+    for glob, matched_quantities in matches.items():
+        if matched_quantities:
+            continue
         hint = no_match_hint(glob, {"quantities": quantities})
         log.report_unmatched("E-GLOB", f"no quantity matches {glob!r}", CONFIG_KEY, hint, glob)
     return matches

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from linkwright.stages.export.actuators.motors import kinds_of
 from linkwright.stages.export.variants.draws import draws
-from linkwright.stages.export.variants.inertials import moved_inertials, radii
+from linkwright.stages.export.variants.inertials import moved_inertials, spread_factor
 from linkwright.stages.export.variants.shares import SHARE_BY_ORIGIN
 from linkwright.stages.formats.npz import NotNpz, arrays_of, npz
 from linkwright.stages.robot.errors import AssemblyError
@@ -117,7 +117,7 @@ def test_moved_body_is_a_congruence_of_the_body(seed, flat, share):
     (mass, com, moments, quat), n = solid_body(rng, flat), 16
     factor, shift = rng.uniform(1 - share, 1 + share, n), share * rng.uniform(-1, 1, (3, n))
     turned = np.tril(rng.uniform(-1, 1, (n, 3, 3)) * share) + np.eye(3)
-    a = radii([*map(float, moments)], [*map(float, quat)], mass)
+    a = spread_factor([*map(float, moments)], [*map(float, quat)], mass)
     rows = [[turned[:, i, j] for j in range(3)] for i in range(3)]
     bodies = moved_inertials(mass * factor, [*map(float, com)], a, [*shift], rows)
     lever = np.array(a)
