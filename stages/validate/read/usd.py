@@ -33,10 +33,16 @@ from linkwright.stages.validate.same.read_robot import (
     ReadRobot,
     UnreadableFile,
 )
-from linkwright.stages.validate.usd.actuators import actuators
-from linkwright.stages.validate.usd.driving import driving
-from linkwright.stages.validate.usd.model import moving, placed, rooted, shapes, units
-from linkwright.stages.validate.usd.places import places
+from linkwright.stages.validate.usd.actuators import actuator_findings
+from linkwright.stages.validate.usd.driving import driving_findings
+from linkwright.stages.validate.usd.model import (
+    articulation_findings,
+    motion_findings,
+    placement_findings,
+    shape_findings,
+    unit_findings,
+)
+from linkwright.stages.validate.usd.places import place_findings
 from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdError, read_usd
 
 SINGLE_PRECISION = 1e-5
@@ -194,15 +200,15 @@ class ReadUsd(ReadRobot):
     def _frees(self, joint: ReadUsdJoint, loop: Loop) -> bool:
         """Tells whether a general joint frees the same motions as the loop, within its limits."""
         expected = {_freed(dof): _ends(dof) for dof in loop.dofs}
-        return joint.free.keys() == expected.keys() and all(
+        return joint.free_ranges.keys() == expected.keys() and all(
             # The tolerance of an infinite limit would be infinite.
             end == limit or (isfinite(limit) and abs(end - limit) <= SINGLE_PRECISION * max(1.0, abs(limit)))
             for key in expected
-            for end, limit in zip(joint.free[key], expected[key], strict=True)
+            for end, limit in zip(joint.free_ranges[key], expected[key], strict=True)
         )
 
     def first_checks(self) -> Iterator[Check]:
-        yield self.result_of("units", "metres, kilograms, and z upwards", units(self.usd))
+        yield self.result_of("units", "metres, kilograms, and z upwards", unit_findings(self.usd))
 
     def own_checks(self) -> Iterator[Check]:
         """Checks what only a USD has."""
@@ -212,25 +218,27 @@ class ReadUsd(ReadRobot):
         place = dict(scene.keyframes).get(HOME) if scene is not None else None
         of_model = (
             *usd.flaws,
-            *rooted(usd, robot, names),
-            *placed(usd, robot, names, place),
-            *moving(usd, robot, names, written.geometry),
+            *articulation_findings(usd, robot, names),
+            *placement_findings(usd, robot, names, place),
+            *motion_findings(usd, robot, names, written.geometry),
         )
         detail = "articulation, place, self-collision and pairs of bodies that do not collide"
         yield self.result_of("model", detail, of_model)
         drives = drives_of(robot, written.actuation, self.file_configuration)
         detail = "resistance, largest speed, state, drive and relations of each joint, and MuJoCo's actuators"
         of_drives = (
-            *driving(usd, robot, names, drives, self.file_configuration),
-            *actuators(usd.actuators, robot, names, written.actuation.actuators),
+            *driving_findings(usd, robot, names, drives, self.file_configuration),
+            *actuator_findings(usd.actuators, robot, names, written.actuation.actuators),
         )
         yield self.result_of("drives", detail, of_drives)
         detail = "frames and cameras on their bodies"
-        yield self.result_of("frames", detail, places(usd, robot, names, written.sensing))
+        yield self.result_of("frames", detail, place_findings(usd, robot, names, written.sensing))
         if written.geometry is not None:
             total = count(len(written.geometry.shapes), "shape")
             detail = f"{total} of the robot, with their sizes and places, and what collides"
-            yield self.result_of("shapes", detail, shapes(usd, names, written.geometry, self.path.parent))
+            yield self.result_of(
+                "shapes", detail, shape_findings(usd, names, written.geometry, self.path.parent)
+            )
 
     def _placement(self) -> Check:
         """Checks that bodies are where the robot is at `home`, without regard to their joints."""

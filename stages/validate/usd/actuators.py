@@ -13,8 +13,13 @@ from linkwright.stages.robot.model.robot import Robot
 from linkwright.stages.validate.findings import differs, named
 
 TARGET = "mjc:target"
+"""The relationship of an actuator to the prim of its joint."""
+
+RELATIVE_TOLERANCE = 1e-11
+"""Relative tolerance of numbers, of which files have twelve digits."""
 
 Value = float | str | tuple[float, ...]
+"""The value of an attribute."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +27,14 @@ class ReadUsdActuator:
     """An actuator of a USD."""
 
     joint: str
-    """The name of the joint's prim; "" without a joint."""
+    """The name of the joint's prim; "" without a joint, and all names if there are several."""
 
     values: Mapping[str, Value]
     """The attributes in MuJoCo's namespace."""
 
 
 def read_actuators(prims: Sequence[Any]) -> dict[str, ReadUsdActuator]:
-    """Maps names to the actuators among the prims."""
+    """Returns the actuators among the prims, by name."""
     return {prim.GetName(): _read(prim) for prim in prims if prim.GetTypeName() == "MjcActuator"}
 
 
@@ -41,12 +46,13 @@ def _read(prim: Any) -> ReadUsdActuator:
 
 
 def _plain(value: Any) -> Value:
+    """Returns a value of USD as text, as a number, or as numbers."""
     if isinstance(value, str):
         return value
     return float(value) if isinstance(value, int | float) else tuple(map(float, value))
 
 
-def actuators(
+def actuator_findings(
     read: Mapping[str, ReadUsdActuator], robot: Robot, names: UsdNames, expected: Sequence[Actuator]
 ) -> Iterator[Finding]:
     """Yields the differences of each actuator that the schema knows, and the actuators that must not
@@ -59,7 +65,9 @@ def actuators(
         element = named("def", name)
         if name not in read or name not in expected_values:
             message = (
-                "is no actuator" if name in expected_values else "is an actuator that the robot does not have"
+                "is not an actuator"
+                if name in expected_values
+                else "is an actuator that the robot does not have"
             )
             yield Finding(element, "MjcActuator", message)
             continue
@@ -79,10 +87,10 @@ def _differences(
             yield differs(element, attribute, read.get(attribute), expected_values.get(attribute))
 
 
-def _is_same(read: Value | None, expected_values: Value | None) -> bool:
-    """Tells whether two values agree in the twelve digits that files have."""
-    if isinstance(read, tuple) and isinstance(expected_values, tuple):
-        return len(read) == len(expected_values) and all(map(_is_same, read, expected_values))
-    if isinstance(read, float) and isinstance(expected_values, float):
-        return abs(read - expected_values) <= 1e-11 * abs(expected_values)
-    return read == expected_values
+def _is_same(actual: Value | None, expected: Value | None) -> bool:
+    """Tells whether two values are equal, within the tolerance if they are numbers, or both missing."""
+    if isinstance(actual, tuple) and isinstance(expected, tuple):
+        return len(actual) == len(expected) and all(map(_is_same, actual, expected))
+    if isinstance(actual, float) and isinstance(expected, float):
+        return abs(actual - expected) <= RELATIVE_TOLERANCE * abs(expected)
+    return actual == expected

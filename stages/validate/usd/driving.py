@@ -1,6 +1,7 @@
 """Compares the joints of a USD with the robot's: resistance, start, drives and relations."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from linkwright.stages.formats.usd.drives import Drives
 from linkwright.stages.formats.usd.joint_facts import (
@@ -16,11 +17,11 @@ from linkwright.stages.robot.model.robot import Configuration, Dof, Robot
 from linkwright.stages.validate.findings import differs, named
 from linkwright.stages.validate.usd.reader import ReadUsdJoint, UsdRobot
 
-SINGLE_PRECISION = 1e-6
+FLOAT32_TOLERANCE = 1e-6
 """Relative tolerance of attributes in single precision, which is absolute for positions below 1 [deg, m]."""
 
 POSITION_ENDINGS = ("osition", "offset", "Coef0")
-"""Endings of the names of attributes that are positions."""
+"""Endings of the names of attributes that are positions, such as `position` and `targetPosition`."""
 
 DEFAULTS = {
     "physics:jointEnabled": 1.0,
@@ -30,33 +31,38 @@ DEFAULTS = {
 }
 """UsdPhysics's defaults for attributes of a joint that a build does not write."""
 
-
 Attributes = Mapping[str, float] | Mapping[str, str]
 """Attributes of numbers, or of words, by name."""
 
 
-def driving(
+def driving_findings(
     usd: UsdRobot, robot: Robot, names: UsdNames, drives: Drives, home: Configuration
 ) -> Iterator[Finding]:
-    """Compares each joint with the attributes that a build writes for it. A joint that closes a loop has
-    none."""
+    """Compares each joint with the attributes that a build writes for it. A joint that closes a loop, outside
+    the articulation, has none."""
     dofs = {dof.name: dof for joint in robot.joints for dof in joint.dofs if dof.kind != "free"}
-    between = [dof for loop in robot.loops for dof in loop.dofs[:-1]]
-    written = [*dofs.values(), *between]
-    expected = {names.joints[dof.name]: _expected(dof, drives, home) for dof in written}
+    # Only the last joint of a loop's chain closes the loop.
+    dofs_before_last = [dof for loop in robot.loops for dof in loop.dofs[:-1]]
+    expected = {
+        names.joints[dof.name]: _expected_facts(dof, drives, home)
+        for dof in (*dofs.values(), *dofs_before_last)
+    }
     for relation in robot.relations:
-        follower_and_driver = dofs[relation.follower], dofs[relation.driver]
-        read, read_driver = (usd.joints[names.joints[dof.name]] for dof in follower_and_driver)
-        follows = joint_mimic(relation, *follower_and_driver, (read.letter, read_driver.letter))
-        targets = {name: names.joints[dof] for name, dof in follows.targets.items()}
-        expected[names.joints[relation.follower]] |= JointFacts(
-            follows.schemas, follows.numbers, follows.tokens, targets
+        follower, driver = dofs[relation.follower], dofs[relation.driver]
+        # The attributes of PhysX name the axes of both joints, which the file chooses.
+        axes = (
+            usd.joints[names.joints[follower.name]].axis_name,
+            usd.joints[names.joints[driver.name]].axis_name,
         )
+        mimic = joint_mimic(relation, follower, driver, axes)
+        targets = {name: names.joints[dof] for name, dof in mimic.targets.items()}
+        expected[names.joints[follower.name]] |= replace(mimic, targets=targets)
     for name, joint in usd.joints.items():
         yield from _differences(named("def", name), joint, expected.get(name, JointFacts()))
 
 
-def _expected(dof: Dof, drives: Drives, home: Configuration) -> JointFacts:
+def _expected_facts(dof: Dof, drives: Drives, home: Configuration) -> JointFacts:
+    """Returns the attributes of a dof's joint, without relations. A ball has neither state nor drive."""
     facts, value = resistance(dof), home[dof.name]
     if isinstance(value, tuple):
         return facts
@@ -87,6 +93,8 @@ def _attribute_differences(element: str, actual: Attributes, expected: Attribute
 
 def _is_same(name: str, actual: float | str | None, expected: float | str | None) -> bool:
     if isinstance(actual, float) and isinstance(expected, float):
-        least = 1.0 if name.endswith(POSITION_ENDINGS) else 0.0
-        return actual == expected or abs(actual - expected) <= SINGLE_PRECISION * max(least, abs(expected))
+        min_scale = 1.0 if name.endswith(POSITION_ENDINGS) else 0.0
+        return actual == expected or abs(actual - expected) <= FLOAT32_TOLERANCE * max(
+            min_scale, abs(expected)
+        )
     return actual == expected

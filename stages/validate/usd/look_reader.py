@@ -34,14 +34,14 @@ class ReadUsdLook:
 
 def look_of(prim: Any) -> ReadUsdLook:
     """Returns the look of a shape, with the materials and colours that it inherits from prims above it."""
-    display = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor").Get() or ()
-    colour, image = _surface(_bound(prim, UsdShade.Tokens.allPurpose))
-    first = tuple(map(float, display[0])) if display else ()
-    return ReadUsdLook(colour, image, first, _friction(_bound(prim, "physics")))
+    display_colours = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor").Get() or ()
+    display_colour = tuple(map(float, display_colours[0])) if display_colours else ()
+    colour, image = _surface(_bound_material(prim, UsdShade.Tokens.allPurpose))
+    return ReadUsdLook(colour, image, display_colour, _friction(_bound_material(prim, "physics")))
 
 
-def _bound(prim: Any, purpose: str) -> Any:
-    """Returns the bound material, or None. A binding without its schema is ignored."""
+def _bound_material(prim: Any, purpose: str) -> Any:
+    """Returns the material that is bound for a purpose, or None. A binding without its schema is ignored."""
     material, binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(purpose)
     if not material or "MaterialBindingAPI" not in schemas(binding.GetPrim()):
         return None
@@ -52,31 +52,37 @@ def _bound(prim: Any, purpose: str) -> Any:
 
 
 def _surface(material: Any) -> tuple[tuple[float, ...], str]:
+    """Returns `colour` and `image` of a `ReadUsdLook`. With an image, the colour is the image's factor."""
     if material is None:
         return (), ""
     shader, *_ = material.ComputeSurfaceSource()
     if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
         return (), ""
-    opacity_and_roughness = float(_input(shader, "opacity", 1.0)), float(_input(shader, "roughness", 0.5))
+    opacity_and_roughness = (
+        float(_input_value(shader, "opacity", 1.0)),
+        float(_input_value(shader, "roughness", 0.5)),
+    )
     colour = shader.GetInput("diffuseColor")
     sources = colour.GetConnectedSources()[0] if colour else []
     if not sources:
-        return (*map(float, _input(shader, "diffuseColor", Gf.Vec3f(0.18))), *opacity_and_roughness), ""
+        return (*map(float, _input_value(shader, "diffuseColor", Gf.Vec3f(0.18))), *opacity_and_roughness), ""
     image = UsdShade.Shader(sources[0].source.GetPrim())
     if image.GetIdAttr().Get() != "UsdUVTexture":
         return (), ""
-    scale = _input(image, "scale", Gf.Vec4f(1.0))
-    file = _input(image, "file", None)
+    scale = _input_value(image, "scale", Gf.Vec4f(1.0))
+    file = _input_value(image, "file", None)
     return (*map(float, tuple(scale)[:3]), *opacity_and_roughness), "" if file is None else str(file.path)
 
 
-def _input(shader: Any, name: str, default: Any) -> Any:
+def _input_value(shader: Any, name: str, default: Any) -> Any:
+    """Returns the value of a shader's input; `default` without a value."""
     attribute = shader.GetInput(name)
     value = attribute.Get() if attribute else None
     return default if value is None else value
 
 
 def _friction(material: Any) -> dict[str, float]:
+    """Returns the friction of a material, by attribute, as far as its schemas have it."""
     if material is None:
         return {}
     prim = material.GetPrim()

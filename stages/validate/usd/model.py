@@ -29,7 +29,7 @@ BOUNDS_TOLERANCE = 2e-5
 """Tolerance of the bounds of meshes [m], relative above a metre: points are in single precision."""
 
 
-def units(usd: UsdRobot) -> list[Finding]:
+def unit_findings(usd: UsdRobot) -> list[Finding]:
     """Checks that the units are metres and kilograms, and that z points upwards."""
     findings = []
     for name, value in zip(("metersPerUnit", "kilogramsPerUnit"), usd.units, strict=True):
@@ -40,13 +40,13 @@ def units(usd: UsdRobot) -> list[Finding]:
     return findings
 
 
-def rooted(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
+def articulation_findings(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
     """Checks that an articulation begins at the joint that holds a fixed robot, or else at its root link, and
     at each link on a free joint that carries a joint."""
-    carries = {joint.parent for joint in robot.joints if joint.type != "free"}
-    free = [joint.child for joint in robot.joints if joint.type == "free" and joint.child in carries]
+    parents = {joint.parent for joint in robot.joints if joint.type != "free"}
+    free_links = [joint.child for joint in robot.joints if joint.type == "free" and joint.child in parents]
     expected = {names.base_joint} if robot.base.fixed else {names.links[robot.root.name]}
-    expected |= {names.links[link] for link in free}
+    expected |= {names.links[link] for link in free_links}
     for name in sorted(expected - usd.roots.keys()):
         message = "begins no articulation, expected PhysicsArticulationRootAPI"
         yield Finding(named("def", name), "apiSchemas", message)
@@ -55,24 +55,26 @@ def rooted(usd: UsdRobot, robot: Robot, names: UsdNames) -> Iterator[Finding]:
         yield Finding(named("def", name), "apiSchemas", message)
 
 
-def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) -> Iterator[Finding]:
-    """Checks that the root is where the scene has the robot at `home`, and that it is held there. `place`:
-    this pose (4, 4), None if it is not known."""
+def placement_findings(
+    usd: UsdRobot, robot: Robot, names: UsdNames, world_from_root: Array | None
+) -> Iterator[Finding]:
+    """Checks that the root is where the scene has the robot at `home`, and that a fixed root is held there.
+    `world_from_root`: this pose (4, 4), None if it is not known."""
     if robot.base.fixed and names.base_joint in usd.joints:
         yield from _base_joint_differences(usd, robot, names)
-    if place is None:
+    if world_from_root is None:
         return
     body = names.links[robot.root.name]
     attributes = ("xformOp:translate", "xformOp:orient")
     yield from pose_findings(
-        named("def", body), usd.bodies[body].world_from_body, place, attributes, PLACE_TOLERANCE
+        named("def", body), usd.bodies[body].world_from_body, world_from_root, attributes, PLACE_TOLERANCE
     )
     if robot.base.fixed and names.base_joint in usd.joints:
         joint = usd.joints[names.base_joint]
-        world_from_root = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
+        held_pose = joint.first_from_joint @ np.linalg.inv(joint.second_from_joint)
         attributes = ("physics:localPos0", "physics:localRot0")
         yield from pose_findings(
-            named("def", names.base_joint), world_from_root, place, attributes, FRAME_TOLERANCE
+            named("def", names.base_joint), held_pose, world_from_root, attributes, FRAME_TOLERANCE
         )
 
 
@@ -81,8 +83,8 @@ def _base_joint_differences(usd: UsdRobot, robot: Robot, names: UsdNames) -> Ite
     joint, element = usd.joints[names.base_joint], named("def", names.base_joint)
     if joint.type != "Fixed":
         yield differs(element, "type", f"Physics{joint.type}Joint", "PhysicsFixedJoint")
-    if joint.place != usd.path:
-        yield differs(element, "physics:body0", joint.place or "none", usd.path)
+    if joint.first_path != usd.path:
+        yield differs(element, "physics:body0", joint.first_path or "none", usd.path)
     root_link = names.links[robot.root.name]
     if joint.second != root_link:
         yield differs(element, "physics:body1", joint.second or "none", root_link)
@@ -90,9 +92,11 @@ def _base_joint_differences(usd: UsdRobot, robot: Robot, names: UsdNames) -> Ite
         yield differs(element, "physics:excludeFromArticulation", "true", "false")
 
 
-def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | None) -> Iterator[Finding]:
-    """Checks that forces move every body, by its mass and from rest, and that the same bodies collide with
-    each other as in the robot."""
+def motion_findings(
+    usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | None
+) -> Iterator[Finding]:
+    """Checks that forces move every body, by its mass and from rest, and that the same bodies and colliders
+    collide with each other as in the robot. Without a geometry, collisions are not checked."""
     for name, body in usd.bodies.items():
         if not body.moves:
             yield Finding(named("def", name), "physics:rigidBodyEnabled", "no force moves it")
@@ -106,8 +110,8 @@ def moving(usd: UsdRobot, robot: Robot, names: UsdNames, geometry: Geometry | No
     for name, engines in usd.roots.items():
         for attribute, collides in engines.items():
             if collides != geometry.self_contact:
-                word = str(geometry.self_contact).lower()
-                yield differs(named("def", name), attribute, str(collides).lower(), word)
+                actual, expected = (str(value).lower() for value in (collides, geometry.self_contact))
+                yield differs(named("def", name), attribute, actual, expected)
     # In engines, bodies that a joint of the tree connects never collide.
     joined_pairs = {
         frozenset((joint.first, joint.second)) for joint in usd.joints.values() if not joint.closes
@@ -159,77 +163,82 @@ def _collider_pair_differences(
         yield Finding(element, "physics:filteredPairs", f"{' and '.join(pair)} {message}")
 
 
-def shapes(usd: UsdRobot, names: UsdNames, geometry: Geometry, folder: Path) -> Iterator[Finding]:
+def shape_findings(usd: UsdRobot, names: UsdNames, geometry: Geometry, folder: Path) -> Iterator[Finding]:
     """Checks that each body has the shapes of its link: their number, places and sizes. Bodies between the
     dofs of a joint must have none. `folder`: the folder of the USD, which has the files of its meshes."""
-    links = {body: name for name, body in names.links.items()}
-    by_link = geometry.by_link()
+    link_of_body = {body: name for name, body in names.links.items()}
+    shapes_by_link = geometry.by_link()
     roles: tuple[Role, ...] = ("visual", "collision")
-    for body, read in usd.bodies.items():
+    for body, read_body in usd.bodies.items():
         for role in roles:
-            expected = by_link[links.get(body, ""), role]
-            actual = [shape for shape in read.shapes if shape.collides == (role == "collision")]
+            expected = shapes_by_link[link_of_body.get(body, ""), role]
+            actual = [shape for shape in read_body.shapes if shape.collides == (role == "collision")]
             element = named("def", body)
             if len(actual) != len(expected):
                 yield Finding(element, role, f"has {count(len(actual), role)}, expected {len(expected)}")
                 continue
-            yield from _differences(element, role, actual, expected, folder)
+            yield from _shape_differences(element, role, actual, expected, folder)
 
 
-def _differences(
+def _shape_differences(
     element: str, role: str, actual: Sequence[ReadUsdShape], expected: Sequence[Shape], folder: Path
 ) -> Iterator[Finding]:
-    for number, (shape, in_robot) in enumerate(zip(actual, expected, strict=True), 1):
-        which = f"{role} {number}"
-        yield from look_differences(element, which, shape, in_robot)
-        for attribute, has, required in shape.lacks:
-            yield differs(element, f"{which} {attribute}", has, required)
-        kind = in_robot.primitive.kind if in_robot.primitive else "mesh"
+    """Yields the differences of a body's shapes of a role. `actual` and `expected` have the same length."""
+    for number, (shape, expected_shape) in enumerate(zip(actual, expected, strict=True), 1):
+        title = f"{role} {number}"
+        yield from look_differences(element, title, shape, expected_shape)
+        for attribute, actual_value, required_value in shape.flaws:
+            yield differs(element, f"{title} {attribute}", actual_value, required_value)
+        primitive = expected_shape.primitive
+        kind = primitive.kind if primitive is not None else "mesh"
         if shape.kind != kind:
-            yield differs(element, f"{which} type", shape.kind, kind)
-        elif in_robot.primitive is None:
-            yield from _of_mesh(element, which, shape, in_robot, folder)
-        elif not np.allclose(shape.size, in_robot.primitive.size, rtol=PLACE_TOLERANCE, atol=PLACE_TOLERANCE):
-            message = f"is {shown(shape.size)}, expected {shown(in_robot.primitive.size)} [m]"
-            yield Finding(element, f"{which} {kind} size", message)
+            yield differs(element, f"{title} type", shape.kind, kind)
+        elif primitive is None:
+            yield from _mesh_differences(element, title, shape, expected_shape, folder)
+        elif not np.allclose(shape.size, primitive.size, rtol=PLACE_TOLERANCE, atol=PLACE_TOLERANCE):
+            message = f"is {shown(shape.size)}, expected {shown(primitive.size)} [m]"
+            yield Finding(element, f"{title} {kind} size", message)
         else:
-            attributes = (f"{which} xformOp:translate", f"{which} xformOp:orient")
-            expected_place = in_robot.primitive.link_from_shape
+            attributes = (f"{title} xformOp:translate", f"{title} xformOp:orient")
             yield from pose_findings(
-                element, shape.body_from_shape, expected_place, attributes, PLACE_TOLERANCE
+                element, shape.body_from_shape, primitive.link_from_shape, attributes, PLACE_TOLERANCE
             )
 
 
-def _of_mesh(
-    element: str, which: str, shape: ReadUsdShape, in_robot: Shape, folder: Path
+def _mesh_differences(
+    element: str, title: str, shape: ReadUsdShape, expected_shape: Shape, folder: Path
 ) -> Iterator[Finding]:
-    attributes = (f"{which} xformOp:translate", f"{which} xformOp:orient")
-    findings_on_place = list(
+    """Yields the first differences of a mesh: of its pose, else of its bounds, else of its triangles, else of
+    their texture coordinates."""
+    attributes = (f"{title} xformOp:translate", f"{title} xformOp:orient")
+    findings_on_pose = list(
         pose_findings(element, shape.body_from_shape, UNMOVED, attributes, PLACE_TOLERANCE)
     )
-    yield from findings_on_place
-    if findings_on_place or not in_robot.bounds:
+    yield from findings_on_pose
+    if findings_on_pose or not expected_shape.bounds:
         return
     if not shape.bounds:
-        yield Finding(element, f"{which} references", f"has no points, expected those of {in_robot.file}")
+        yield Finding(
+            element, f"{title} references", f"has no points, expected those of {expected_shape.file}"
+        )
         return
-    difference = float(np.abs(np.subtract(shape.bounds, in_robot.bounds)).max())
-    if not difference <= BOUNDS_TOLERANCE * max(1.0, float(np.abs(in_robot.bounds).max())):
-        message = f"its bounds are {shown(1e3 * difference)} mm off those of {in_robot.file}"
-        yield Finding(element, f"{which} references", message)
+    difference = float(np.abs(np.subtract(shape.bounds, expected_shape.bounds)).max())
+    if not difference <= BOUNDS_TOLERANCE * max(1.0, float(np.abs(expected_shape.bounds).max())):
+        message = f"its bounds are {shown(1e3 * difference)} mm off those of {expected_shape.file}"
+        yield Finding(element, f"{title} references", message)
         return
-    corners, texcoords = _corners_and_texcoords(folder, in_robot)
+    corners, texcoords = _corners_and_texcoords(folder, expected_shape)
     if corners is not None and not _is_same(shape.corners, corners):
-        message = f"has other triangles than assets/{in_robot.file}"
-        yield Finding(element, f"{which} faceVertexIndices", message)
+        message = f"has other triangles than assets/{expected_shape.file}"
+        yield Finding(element, f"{title} faceVertexIndices", message)
     elif texcoords is not None and not _is_same(shape.texcoords, texcoords):
-        message = f"are not the texture coordinates of assets/{in_robot.file}"
-        yield Finding(element, f"{which} primvars:st", message)
+        message = f"has other texture coordinates than assets/{expected_shape.file}"
+        yield Finding(element, f"{title} primvars:st", message)
 
 
 def _corners_and_texcoords(folder: Path, shape: Shape) -> tuple[Array | None, Array | None]:
-    """Returns the corners and the texture coordinates of a mesh's file; None if it cannot be read, which
-    another check reports."""
+    """Returns the corners (n, 3, 3) and the texture coordinates (n, 3, 2) of a mesh. Both are None if its
+    file cannot be read, which another check reports; coordinates that it does not have are None."""
     try:
         return mesh_corners(str(shape.file), (folder / "assets" / str(shape.file)).read_bytes())
     except (OSError, ValueError, IndexError, struct.error):
@@ -237,6 +246,7 @@ def _corners_and_texcoords(folder: Path, shape: Shape) -> tuple[Array | None, Ar
 
 
 def _is_same(actual: npt.NDArray[np.float32] | None, expected: Array) -> bool:
+    """Tells whether two arrays have the same shape and, within the tolerance, the same numbers."""
     if actual is None or actual.shape != expected.shape:
         return False
     return np.allclose(actual, expected, rtol=0, atol=BOUNDS_TOLERANCE)

@@ -1,4 +1,4 @@
-"""Reads the frames and the cameras on the bodies of a USD, in metres and radians."""
+"""Reads the frames and the cameras on the bodies of a USD, in metres."""
 
 import math
 from collections.abc import Iterator
@@ -33,17 +33,19 @@ class ReadUsdPlace:
 def places_of(body: Any) -> Iterator[tuple[str, ReadUsdPlace]]:
     """Yields the frames and cameras of a body, with the names of their prims."""
     cache = UsdGeom.XformCache()
+    # USD's matrices act on rows.
     body_from_world = inverse(np.array(cache.GetLocalToWorldTransform(body)).T)
     for prim in body.GetChildren():
-        pose = body_from_world @ np.array(cache.GetLocalToWorldTransform(prim)).T
+        body_from_prim = body_from_world @ np.array(cache.GetLocalToWorldTransform(prim)).T
         if prim.IsA(UsdGeom.Camera):
-            yield prim.GetName(), _camera(UsdGeom.Camera(prim), pose @ _PRIM_FROM_IMAGE)
+            yield prim.GetName(), _camera(UsdGeom.Camera(prim), body_from_prim @ _PRIM_FROM_IMAGE)
         elif prim.GetTypeName() == "Xform":
-            yield prim.GetName(), ReadUsdPlace(pose)
+            yield prim.GetName(), ReadUsdPlace(body_from_prim)
 
 
-def _camera(camera: Any, pose: Array) -> ReadUsdPlace:
-    focal, height, width = (
+def _camera(camera: Any, body_from_image: Array) -> ReadUsdPlace:
+    """Reads a camera with the axes of the robot's cameras at a pose (4, 4) on its body."""
+    focal_length, height, width = (
         float(attribute.Get())
         for attribute in (
             camera.GetFocalLengthAttr(),
@@ -51,5 +53,5 @@ def _camera(camera: Any, pose: Array) -> ReadUsdPlace:
             camera.GetHorizontalApertureAttr(),
         )
     )
-    fovy = math.degrees(2 * math.atan2(height, 2 * focal))
-    return ReadUsdPlace(pose, fovy, width / height if height else math.inf)
+    fovy = math.degrees(2 * math.atan2(height, 2 * focal_length))
+    return ReadUsdPlace(body_from_image, fovy, width / height if height else math.inf)

@@ -14,10 +14,10 @@ FRAME_TOLERANCE = 1e-9
 """Tolerance [m, rad] of frames, which are in double precision."""
 
 LENS_TOLERANCE = 1e-5
-"""Relative tolerance of fields of view and aspects, which are in single precision."""
+"""Relative tolerance of fields of view and aspects, whose apertures are in single precision."""
 
 
-def places(usd: UsdRobot, robot: Robot, names: UsdNames, sensing: Sensing) -> Iterator[Finding]:
+def place_findings(usd: UsdRobot, robot: Robot, names: UsdNames, sensing: Sensing) -> Iterator[Finding]:
     """Checks that each frame, site of a sensor and camera is at its place on its body."""
     for link, body in names.links.items():
         read_places = usd.bodies[body].places
@@ -25,18 +25,19 @@ def places(usd: UsdRobot, robot: Robot, names: UsdNames, sensing: Sensing) -> It
         poses |= {site.name: site.link_from_site for site in sensing.sites if site.link == link}
         titles = identifiers(poses)
         for name, pose in poses.items():
-            yield from _at(read_places, body, titles[name], ReadUsdPlace(pose))
+            yield from _place_differences(read_places, body, titles[name], ReadUsdPlace(pose))
         cameras = {camera.name: camera for camera in sensing.cameras if camera.link == link}
         for name, prim in identifiers(cameras, titles.values()).items():
             camera = cameras[name]
             width, height = camera.resolution
             place = ReadUsdPlace(camera.link_from_camera, camera.fovy, width / height)
-            yield from _at(read_places, body, prim, place)
+            yield from _place_differences(read_places, body, prim, place)
 
 
-def _at(
+def _place_differences(
     read_places: Mapping[str, ReadUsdPlace], body: str, name: str, expected: ReadUsdPlace
 ) -> Iterator[Finding]:
+    """Yields the differences of a frame or camera of a body. `name`: the name of its prim."""
     element, place = named("def", body), read_places.get(name)
     if place is None:
         yield Finding(element, name, "there is no frame or camera of this name")
@@ -45,9 +46,9 @@ def _at(
     yield from pose_findings(
         element, place.body_from_place, expected.body_from_place, attributes, FRAME_TOLERANCE
     )
-    for attribute, value, number in (
+    for attribute, actual_value, expected_value in (
         ("verticalAperture", place.fovy, expected.fovy),
         ("horizontalAperture", place.aspect, expected.aspect),
     ):
-        if not abs(value - number) <= LENS_TOLERANCE * number:
-            yield differs(element, f"{name} {attribute}", value, number)
+        if not abs(actual_value - expected_value) <= LENS_TOLERANCE * expected_value:
+            yield differs(element, f"{name} {attribute}", actual_value, expected_value)

@@ -12,7 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.findings import differs, named
 
-SINGLE_PRECISION = 1e-5
+FLOAT32_TOLERANCE = 1e-5
 """Tolerance of the length of a unit quaternion, and of an extent [m]: both are in single precision."""
 
 
@@ -32,16 +32,13 @@ def flaws(stage: Any, top: Any) -> Iterator[Finding]:
     """Yields the errors of all prims at and below `top`."""
     for prim in Usd.PrimRange(top, Usd.TraverseInstanceProxies()):
         yield from _missing_targets(stage, prim)
-        yield from _quaternions(prim)
-        yield from _extent(prim)
+        yield from _quaternion_findings(prim)
+        yield from _extent_findings(prim)
 
 
-def _finding(prim: Any, attribute: str, message: str) -> Finding:
-    """Returns a finding on the prim directly below the default prim, or directly below a scope."""
-    return Finding(*_place(prim, attribute), message)
-
-
-def _place(prim: Any, attribute: str) -> tuple[str, str]:
+def _element_and_attribute(prim: Any, attribute: str) -> tuple[str, str]:
+    """Returns the title of the prim that a finding is on, and the attribute with the path from there. This
+    prim is directly below the default prim, or directly below a scope there."""
     _, *names = str(prim.GetPath()).strip("/").split("/")
     if len(names) > 1 and prim.GetStage().GetPrimAtPath(prim.GetPath().GetPrefixes()[1]).IsA("Scope"):
         names = names[1:]
@@ -58,19 +55,20 @@ def _missing_targets(stage: Any, prim: Any) -> Iterator[Finding]:
     for name, paths in references:
         for path in paths:
             if not stage.GetObjectAtPath(path):
-                yield _finding(prim, name, f"names <{path}>, which is not there")
+                yield Finding(*_element_and_attribute(prim, name), f"names <{path}>, which does not exist")
 
 
-def _quaternions(prim: Any) -> Iterator[Finding]:
+def _quaternion_findings(prim: Any) -> Iterator[Finding]:
+    """Yields the quaternions that are not of unit length."""
     for attribute in prim.GetAuthoredAttributes():
         if attribute.GetTypeName() in (Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Quatf):
             length = Gf.Quatd(attribute.Get()).GetLength()
-            if not abs(length - 1) <= SINGLE_PRECISION:
-                place = _place(prim, attribute.GetName())
-                yield Finding(*place, f"has the length {length:.6g}, expected 1")
+            if not abs(length - 1) <= FLOAT32_TOLERANCE:
+                element_and_attribute = _element_and_attribute(prim, attribute.GetName())
+                yield Finding(*element_and_attribute, f"has the length {length:.6g}, expected 1")
 
 
-def _extent(prim: Any) -> Iterator[Finding]:
+def _extent_findings(prim: Any) -> Iterator[Finding]:
     """Checks the extent, by which renderers skip prims outside the picture."""
     boundable = UsdGeom.Boundable(prim)
     if not boundable or not boundable.GetExtentAttr().HasAuthoredValue():
@@ -81,7 +79,7 @@ def _extent(prim: Any) -> Iterator[Finding]:
         return
     expected = np.array(computed, dtype=float)
     if extent.shape != expected.shape or not np.allclose(
-        extent, expected, rtol=SINGLE_PRECISION, atol=SINGLE_PRECISION
+        extent, expected, rtol=FLOAT32_TOLERANCE, atol=FLOAT32_TOLERANCE
     ):
-        element, attribute = _place(prim, "extent")
+        element, attribute = _element_and_attribute(prim, "extent")
         yield differs(element, attribute, extent, expected, "m")

@@ -33,12 +33,13 @@ READ_PROPERTIES = re.compile(
 """Attributes and relationships of a joint that are not among its `facts`."""
 
 START_ATTRIBUTES = ("physics:velocity", "physics:angularVelocity", "physics:startsAsleep")
+"""Attributes of a body's state at the start of a simulation."""
 
 AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-
+"""Name of an axis → its unit vector."""
 
 FreeRanges = Mapping[tuple[str, str], tuple[float, float]]
-"""The ranges [m or rad] of a general joint's free motions, by ("trans", "X")."""
+"""The ranges [m or rad] of a general joint's free motions, by kind and axis, such as ("trans", "X")."""
 
 
 class UsdError(Exception):
@@ -57,7 +58,7 @@ class ReadUsdBody:
     """Whether forces move the body."""
 
     starts: Mapping[str, float]
-    """The speeds at the start [m/s, deg/s], and whether the body sleeps, by attribute."""
+    """The speeds at the start [m/s, deg/s], and 1 if the body sleeps, by attribute."""
 
     shapes: tuple[ReadUsdShape, ...]
     """The visual shapes and colliders."""
@@ -85,8 +86,8 @@ class ReadUsdJoint:
     second: str
     """The name of the second body; "" without a body."""
 
-    place: str
-    """The path of the prim that has the first frame."""
+    first_path: str
+    """The path of the prim that has the first frame, which need not be a body."""
 
     first_from_joint: Array
     """The frame (4, 4) on the first body."""
@@ -97,13 +98,13 @@ class ReadUsdJoint:
     axis: Array
     """The unit vector (3,) of the axis."""
 
-    letter: str
-    """The letter of the axis."""
+    axis_name: str
+    """The name of the axis in `AXES`."""
 
     ends: tuple[float, float]
-    """The range, with infinite ends if there is no limit."""
+    """The range [m or rad], with infinite ends if there is no limit."""
 
-    free: FreeRanges
+    free_ranges: FreeRanges
     """The free motions of a general joint, with their ranges."""
 
     closes: bool
@@ -154,7 +155,11 @@ def read_usd(path: Path) -> UsdRobot:
     joints = {
         prim.GetName(): _joint(UsdPhysics.Joint(prim), paths) for prim in prims if prim.IsA(UsdPhysics.Joint)
     }
-    roots = {prim.GetName(): _collides(prim) for prim in prims if prim.HasAPI(UsdPhysics.ArticulationRootAPI)}
+    roots = {
+        prim.GetName(): _self_collisions(prim)
+        for prim in prims
+        if prim.HasAPI(UsdPhysics.ArticulationRootAPI)
+    }
     units = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
     up = str(UsdGeom.GetStageUpAxis(stage))
     return UsdRobot(
@@ -162,9 +167,9 @@ def read_usd(path: Path) -> UsdRobot:
     )
 
 
-def _collides(root: Any) -> dict[str, bool]:
-    """Returns whether the bodies of an articulation collide with each other, in PhysX and in Newton. In both
-    they do, unless an attribute of an applied schema forbids it."""
+def _self_collisions(root: Any) -> dict[str, bool]:
+    """Returns whether the bodies of an articulation collide with each other in PhysX and in Newton, by the
+    engine's attribute. In both they do, unless the attribute forbids it and its schema is applied."""
     applied = schemas(root)
     by_attribute = {}
     for schema, name in SELF_COLLISION:
@@ -178,12 +183,12 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
     moments = np.array(api.GetDiagonalInertiaAttr().Get(), dtype=float)
     com = np.array(api.GetCenterOfMassAttr().Get(), dtype=float)
     inertia = axes @ np.diag(moments) @ axes.T
-    world = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
-    # USD's matrices act on rows.
+    row_matrix = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
     rigid = UsdPhysics.RigidBodyAPI(prim)
     moves = rigid.GetRigidBodyEnabledAttr().Get() and not rigid.GetKinematicEnabledAttr().Get()
     return ReadUsdBody(
-        np.array(world).T,
+        # USD's matrices act on rows.
+        np.array(row_matrix).T,
         Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia)),
         bool(moves),
         {name: float(np.linalg.norm(prim.GetAttribute(name).Get())) for name in START_ATTRIBUTES},
@@ -197,7 +202,7 @@ def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
 def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
     prim = joint.GetPrim()
     kind = prim.GetTypeName().removeprefix("Physics").removesuffix("Joint")
-    first, second = (_target(relation, bodies) for relation in (joint.GetBody0Rel(), joint.GetBody1Rel()))
+    first, second = (_body_name(relation, bodies) for relation in (joint.GetBody0Rel(), joint.GetBody1Rel()))
     axis = prim.GetAttribute("physics:axis")
     ends = (-math.inf, math.inf)
     if kind in ("Revolute", "Prismatic"):
@@ -205,16 +210,18 @@ def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
         low, high = (prim.GetAttribute(f"physics:{end}Limit").Get() * scale for end in ("lower", "upper"))
         ends = low, high
     elif kind == "Spherical":
+        # A negative angle means no limit.
         cone = prim.GetAttribute("physics:coneAngle0Limit").Get()
         ends = (-math.inf, math.inf if cone < 0 else cone * math.pi / 180)
-    places = (
+    frame_attributes = (
         (joint.GetLocalPos0Attr(), joint.GetLocalRot0Attr()),
         (joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()),
     )
     first_from_joint, second_from_joint = (
-        from_parts(_rotation(turn.Get()), np.array(at.Get(), dtype=float)) for at, turn in places
+        from_parts(_rotation(orientation.Get()), np.array(position.Get(), dtype=float))
+        for position, orientation in frame_attributes
     )
-    letter = str(axis.Get()) if axis else "X"
+    axis_name = str(axis.Get()) if axis else "X"
     return ReadUsdJoint(
         kind,
         first,
@@ -222,31 +229,31 @@ def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
         " ".join(map(str, joint.GetBody0Rel().GetTargets())),
         first_from_joint,
         second_from_joint,
-        np.array(AXES[letter]),
-        letter,
+        np.array(AXES[axis_name]),
+        axis_name,
         ends,
-        {} if kind else dict(_free(prim)),
+        {} if kind else dict(_free_ranges(prim)),
         bool(joint.GetExcludeFromArticulationAttr().Get()),
         _facts(prim),
     )
 
 
-def _target(relation: Any, bodies: set[Any]) -> str:
-    """Returns the name of the target body, which is found by its path: the default prim, which holds all
-    bodies, may have a link's name."""
+def _body_name(relation: Any, bodies: set[Any]) -> str:
+    """Returns the name of the body that is the first target; "" if that is not a body. It is found by its
+    path, since the default prim, which holds all bodies, may have a link's name."""
     paths = relation.GetTargets()
     return str(paths[0].name) if paths and paths[0] in bodies else ""
 
 
-def _free(prim: Any) -> Iterator[tuple[tuple[str, str], tuple[float, float]]]:
+def _free_ranges(prim: Any) -> Iterator[tuple[tuple[str, str], tuple[float, float]]]:
     """Yields the free motions of a general joint, with their ranges [m or rad]. A locked motion has a lower
     limit above the upper one."""
     for kind, scale in (("trans", 1.0), ("rot", math.pi / 180)):
         for axis in AXES:
             ends = [prim.GetAttribute(f"limit:{kind}{axis}:physics:{end}") for end in ("low", "high")]
             low, high = (
-                end.Get() * scale if end else side
-                for end, side in zip(ends, (-math.inf, math.inf), strict=True)
+                end.Get() * scale if end else open_end
+                for end, open_end in zip(ends, (-math.inf, math.inf), strict=True)
             )
             if low <= high:
                 yield (kind, axis), (low, high)
@@ -265,9 +272,10 @@ def _facts(prim: Any) -> JointFacts:
         if not READ_PROPERTIES.fullmatch(relation.GetName())
     }
     numbers = {name: float(value) for name, value in values.items() if isinstance(value, int | float)}
-    words = {name: str(value) for name, value in values.items() if name not in numbers}
-    return JointFacts(tuple(sorted(schemas(prim))), numbers, words, targets)
+    tokens = {name: str(value) for name, value in values.items() if name not in numbers}
+    return JointFacts(tuple(sorted(schemas(prim))), numbers, tokens, targets)
 
 
 def _rotation(quat: Any) -> Array:
+    """Returns the rotation (3, 3) of a quaternion of USD."""
     return rotation_from_quat(np.array([quat.GetReal(), *quat.GetImaginary()]))

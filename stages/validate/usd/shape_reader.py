@@ -13,7 +13,13 @@ from linkwright.stages.robot.model.robot import Array
 from linkwright.stages.validate.usd.look_reader import ReadUsdLook, look_of
 from linkwright.stages.validate.usd.prim_reader import filtered_paths, schemas
 
-KINDS = {"Cube": "box", "Sphere": "sphere", "Cylinder": "cylinder", "Capsule": "capsule", "Mesh": "mesh"}
+KIND_BY_TYPE = {
+    "Cube": "box",
+    "Sphere": "sphere",
+    "Cylinder": "cylinder",
+    "Capsule": "capsule",
+    "Mesh": "mesh",
+}
 """Type of a prim → kind of shape."""
 
 
@@ -24,7 +30,7 @@ shape."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdShape:
-    """A shape of a body. What a mesh has is in the body's frame."""
+    """A shape of a body. Bounds and corners of a mesh are in the body's frame."""
 
     name: str
     kind: str
@@ -37,7 +43,7 @@ class ReadUsdShape:
     filtered: frozenset[str]
     """The paths of the prims with which the shape itself does not collide."""
 
-    lacks: tuple[tuple[str, str, str], ...]
+    flaws: tuple[tuple[str, str, str], ...]
     """(attribute, actual, expected) for schemas and attributes that keep the shape from colliding or from
     being convex, or that change its surface."""
 
@@ -70,13 +76,16 @@ def shapes_of(body: Any) -> Iterator[ReadUsdShape]:
 
 
 def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
-    kind = KINDS.get(prim.GetTypeName(), prim.GetTypeName())
-    has = prim.HasAPI(UsdPhysics.CollisionAPI)
-    guide = UsdGeom.Imageable(prim).ComputePurpose() == UsdGeom.Tokens.guide
+    kind = KIND_BY_TYPE.get(prim.GetTypeName(), prim.GetTypeName())
+    has_collision_schema = prim.HasAPI(UsdPhysics.CollisionAPI)
+    is_guide = UsdGeom.Imageable(prim).ComputePurpose() == UsdGeom.Tokens.guide
     scale = np.linalg.norm(body_from_prim[:3, :3], axis=0)
-    place = body_from_prim.copy()
-    place[:3, :3] /= np.where(scale > 0, scale, 1.0)
-    collides = has or guide
+    body_from_shape = body_from_prim.copy()
+    body_from_shape[:3, :3] /= np.where(scale > 0, scale, 1.0)
+    collides = has_collision_schema or is_guide
+    flaws = list(_surface_flaws(prim, kind, scale))
+    if collides:
+        flaws += _collider_flaws(prim, kind, has_collision_schema, is_guide)
     points = _points(prim, body_from_prim)
     corners = _corners(prim, points)
     return ReadUsdShape(
@@ -85,9 +94,9 @@ def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
         collides,
         str(prim.GetPath()),
         frozenset(map(str, filtered_paths(prim))),
-        (*_unlike(prim, kind, scale), *(_lacks(prim, kind, has, guide) if collides else ())),
+        tuple(flaws),
         _size(prim, kind, scale),
-        place,
+        body_from_shape,
         (*map(float, points.min(axis=0)), *map(float, points.max(axis=0))) if len(points) else (),
         corners,
         None if corners is None else _texcoords(prim, len(corners)),
@@ -95,7 +104,7 @@ def _shape(prim: Any, body_from_prim: Array) -> ReadUsdShape:
     )
 
 
-def _unlike(prim: Any, kind: str, scale: Array) -> Iterator[tuple[str, str, str]]:
+def _surface_flaws(prim: Any, kind: str, scale: Array) -> Iterator[tuple[str, str, str]]:
     """Yields attributes that would change the surface of a shape, although its size or its points are
     right."""
     if kind in _EQUAL_SCALES and not np.allclose(scale[: _EQUAL_SCALES[kind]], scale[0], rtol=1e-6, atol=0.0):
@@ -116,10 +125,14 @@ def _unlike(prim: Any, kind: str, scale: Array) -> Iterator[tuple[str, str, str]
             yield attribute, str(value), str(required)
 
 
-def _lacks(prim: Any, kind: str, has: bool, guide: bool) -> Iterator[tuple[str, str, str]]:
-    if not guide:
+def _collider_flaws(
+    prim: Any, kind: str, has_collision_schema: bool, is_guide: bool
+) -> Iterator[tuple[str, str, str]]:
+    """Yields the schemas and attributes that keep a collider from colliding, from being convex, or from being
+    hidden."""
+    if not is_guide:
         yield "purpose", "default", "guide"
-    if not has:
+    if not has_collision_schema:
         yield "apiSchemas", "no PhysicsCollisionAPI", "PhysicsCollisionAPI"
         return
     if not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
@@ -133,6 +146,8 @@ def _lacks(prim: Any, kind: str, has: bool, guide: bool) -> Iterator[tuple[str, 
 
 
 def _size(prim: Any, kind: str, scale: Array) -> tuple[float, ...]:
+    """Returns the size [m] of a primitive with its scale (3,) applied; () for a mesh."""
+
     def number(name: str) -> float:
         return float(prim.GetAttribute(name).Get())
 
@@ -146,30 +161,32 @@ def _size(prim: Any, kind: str, scale: Array) -> tuple[float, ...]:
 
 
 def _points(prim: Any, body_from_prim: Array) -> Array:
-    """Returns the points (N, 3) [m] of a mesh in its body's frame; none for a prim that is not a mesh."""
+    """Returns the points (n, 3) [m] of a mesh in its body's frame; none for a prim that is not a mesh."""
     points = UsdGeom.Mesh(prim).GetPointsAttr().Get() if prim.IsA(UsdGeom.Mesh) else None
     local = np.array(points if points else np.zeros((0, 3)), dtype=float)
     return np.asarray(local @ body_from_prim[:3, :3].T + body_from_prim[:3, 3])
 
 
 def _corners(prim: Any, points: Array) -> npt.NDArray[np.float32] | None:
-    """Returns the triangles (N, 3, 3) of a mesh; None if the faces are not triangles, or have no points."""
+    """Returns the corners (n, 3, 3) of a mesh's triangles; None if the faces are not triangles of its
+    points."""
     if not len(points):
         return None
     mesh = UsdGeom.Mesh(prim)
-    sides, index = (
+    corner_counts, indices = (
         np.array(attribute.Get() or (), dtype=np.int64)
         for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
     )
-    is_triangular = len(index) == 3 * len(sides) and bool((sides == 3).all())
-    if not is_triangular or (len(index) and not 0 <= index.min() <= index.max() < len(points)):
+    is_triangular = len(indices) == 3 * len(corner_counts) and bool((corner_counts == 3).all())
+    if not is_triangular or (len(indices) and not 0 <= indices.min() <= indices.max() < len(points)):
         return None
-    return points.astype(np.float32)[index].reshape(-1, 3, 3)
+    return points.astype(np.float32)[indices].reshape(-1, 3, 3)
 
 
-def _texcoords(prim: Any, triangles: int) -> npt.NDArray[np.float32] | None:
-    places = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
-    texcoords = places.ComputeFlattened() if places else None
-    if texcoords is None or len(texcoords) != 3 * triangles:
+def _texcoords(prim: Any, triangle_count: int) -> npt.NDArray[np.float32] | None:
+    """Returns the texture coordinates (triangle_count, 3, 2); None unless each corner has them."""
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+    texcoords = primvar.ComputeFlattened() if primvar else None
+    if texcoords is None or len(texcoords) != 3 * triangle_count:
         return None
     return np.array(texcoords, dtype=np.float32).reshape(-1, 3, 2)
