@@ -36,8 +36,8 @@ from linkwright.stages.validate.same.read_robot import (
     ReadRobot,
     UnreadableFile,
 )
-from linkwright.stages.validate.sdf.contacts import contacts
-from linkwright.stages.validate.sdf.shapes import missing_meshes, of_model, shapes
+from linkwright.stages.validate.sdf.contacts import contact_findings
+from linkwright.stages.validate.sdf.shapes import mesh_file_check, model_findings, shape_findings
 
 TYPES = {"turn": ("revolute", "continuous"), "slide": ("prismatic",), "ball": ("ball",)}
 """SDF's types of joint for each kind of dof."""
@@ -228,23 +228,23 @@ class ReadSdf(ReadRobot):
         yield FoundPose(element, ("pose, axis", "pose, axis"), end_pose, expected_pose)
 
     def first_checks(self) -> Iterator[Check]:
-        yield missing_meshes(self.path)
+        yield mesh_file_check(self.path)
 
     def own_checks(self) -> Iterator[Check]:
         """Checks the model's placement, its shapes, and their contact."""
         model, links, geometry = self.model, self.names.links, self.written.geometry
-        findings = of_model(model, self.robot, links[self.robot.root.name], self.written.scene)
+        findings = model_findings(model, self.robot, links[self.robot.root.name], self.written.scene)
         yield self.result_of("model", "name, place and gravity of the model", findings)
         if geometry is None:
             return
         total = f"{count(len(geometry.shapes), 'shape')} of the robot"
         detail = f"{total}, with their files, sizes, places and colours"
-        shape_check = self.result_of("shapes", detail, shapes(model, links, geometry))
+        shape_check = self.result_of("shapes", detail, shape_findings(model, links, geometry))
         yield shape_check
         # Masks can be compared only if the file has as many shapes as the robot.
         if shape_check.passed:
             detail = f"what collides of {total}"
-            yield self.result_of("contacts", detail, contacts(model, links, geometry))
+            yield self.result_of("contacts", detail, contact_findings(model, links, geometry))
 
 
 check_file = partial(run_checks, ReadSdf)

@@ -13,66 +13,77 @@ from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.geometry import Geometry
 from linkwright.stages.validate.findings import differs, named
 
-ALL_BITS, DEFAULT_MASK = 0xFFFF, 0xFF
-"""The bits of a mask that Gazebo keeps, and the mask of a collider that has no mask in the file."""
+ALL_BITS = 0xFFFF
+"""The bits of a mask that Gazebo keeps."""
+
+DEFAULT_MASK = 0xFF
+"""The mask of a collider that has no mask in the file."""
 
 MAX_LINKS = 8
 """Largest number of links, in pairs that must not collide, for which the bits of `DEFAULT_MASK` are enough.
 With more links, no links of the SDF may collide with each other (I-SDF-SELF)."""
 
 MASK_PATH = "surface contact collide_bitmask"
+"""The path of the mask in a collision."""
 
 
-def contacts(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
+def contact_findings(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
     """Checks that the links collide with each other as in the robot, and that every collider collides with
     colliders without a mask. `links`: link of the robot → its name in the SDF."""
-    outside = [finding for link in model.links.values() for finding in _outside(link)]
-    return [*outside, *_together(model, links, geometry)]
+    findings = [finding for link in model.links.values() for finding in _world_findings(link)]
+    return [*findings, *_self_contact_findings(model, links, geometry)]
 
 
-def _outside(link: SdfLink) -> Iterator[Finding]:
-    """Reports masks that keep a link's colliders from colliding with the world."""
+def _world_findings(link: SdfLink) -> Iterator[Finding]:
+    """Yields the colliders of a link that do not collide with the world."""
     for number, shape in enumerate(link.collisions, 1):
         if not shape.pushed:
-            message = "lets all pass through it"
+            message = "lets everything pass through it"
             yield Finding(named("link", link.name), f"collision {number} surface contact", message)
         elif not _mask(shape) & DEFAULT_MASK:
             message = f"shares no bit with {DEFAULT_MASK}, which a collider without a mask has"
             yield Finding(named("link", link.name), f"collision {number} {MASK_PATH}", message)
 
 
-def _together(model: SdfModel, names: Mapping[str, str], geometry: Geometry) -> Iterator[Finding]:
-    """Reports links that collide but must not, and links that must collide but do not."""
-    joined, links = _joined_pairs(model, names), {name: model.links[title] for name, title in names.items()}
+def _self_contact_findings(
+    model: SdfModel, names: Mapping[str, str], geometry: Geometry
+) -> Iterator[Finding]:
+    """Yields links that collide but must not, and links that must collide but do not. `names`: link of the
+    robot → its name in the SDF."""
+    # Gazebo never lets links collide that a joint of the tree connects.
+    joined = _joined_pairs(model, names)
+    links = {name: model.links[title] for name, title in names.items()}
     excluded = {(exclude.link_a, exclude.link_b): exclude.geoms for exclude in geometry.excludes}
     excluded = {pair: geoms for pair, geoms in excluded.items() if frozenset(pair) not in joined}
     if not geometry.self_contact:
-        wrong = [named("link", link.name) for link in links.values() if link.self_collides]
-        wrong += [named("model", model.name)] if model.self_collides else []
-        yield from (differs(element, "self_collide", "true", "false") for element in wrong)
+        elements = [named("link", link.name) for link in links.values() if link.self_collides]
+        elements += [named("model", model.name)] if model.self_collides else []
+        yield from (differs(element, "self_collide", "true", "false") for element in elements)
     elif not model.self_collides:
         if len({name for pair in excluded for name in pair}) <= MAX_LINKS:
             yield differs(named("model", model.name), "self_collide", "false", "true")
     else:
-        masked = [
+        # Colliders without a mask collide with each other, and `_world_findings` checks all others with them.
+        masked_links = [
             name for name, link in links.items() if any(shape.mask is not None for shape in link.collisions)
         ]
-        for pair in sorted({*combinations(masked, 2), *excluded}):
+        for pair in sorted({*combinations(masked_links, 2), *excluded}):
             if frozenset(pair) not in joined:
-                yield from _pair([links[name] for name in pair], excluded.get(pair), _full(model))
+                pair_of_links = [links[name] for name in pair]
+                yield from _pair_findings(pair_of_links, excluded.get(pair), _uses_all_bits(model))
 
 
-def _pair(
-    links: Sequence[SdfLink], excluded: Sequence[tuple[int, int]] | None, full: bool
+def _pair_findings(
+    links: Sequence[SdfLink], excluded: Sequence[tuple[int, int]] | None, uses_all_bits: bool
 ) -> Iterator[Finding]:
     """Compares two links. `excluded`: the positions of colliders that must not collide, () for all, None if
-    all must collide. `full`: whether all bits are in use, so that some pairs that should collide may not
+    all must collide. `uses_all_bits`: whether no bit is left, so that some pairs that should collide may not
     (I-SDF-SELF)."""
     first, second = ([_mask(shape) for shape in link.collisions] for link in links)
     collide = np.bitwise_and.outer(np.array(first, dtype=int), np.array(second, dtype=int)) != 0
     expected = np.ones_like(collide)
-    for a, b in excluded or ():
-        expected[a, b] = False
+    for row, column in excluded or ():
+        expected[row, column] = False
     if excluded == ():
         expected[...] = False
     names = " and ".join(link.name for link in links)
@@ -82,7 +93,7 @@ def _pair(
             f"collision {MASK_PATH}",
             f"colliders of {names} collide, but must not",
         )
-    elif (expected & ~collide).any() and not full:
+    elif (expected & ~collide).any() and not uses_all_bits:
         yield Finding(
             named("link", links[0].name),
             f"collision {MASK_PATH}",
@@ -92,18 +103,19 @@ def _pair(
 
 def _joined_pairs(model: SdfModel, names: Mapping[str, str]) -> set[frozenset[str]]:
     """Returns the pairs of the robot's links that are joined by the first joint that holds a link."""
-    name = {title: link for link, title in names.items()}
-    tree: dict[str, str] = {}
+    link_of_title = {title: link for link, title in names.items()}
+    parent_of: dict[str, str] = {}
     for joint in model.joints.values():
-        tree.setdefault(joint.child, joint.parent)
+        parent_of.setdefault(joint.child, joint.parent)
     return {
-        frozenset((name[child], name[parent]))
-        for child, parent in tree.items()
-        if {child, parent} <= name.keys()
+        frozenset((link_of_title[child], link_of_title[parent]))
+        for child, parent in parent_of.items()
+        if {child, parent} <= link_of_title.keys()
     }
 
 
-def _full(model: SdfModel) -> bool:
+def _uses_all_bits(model: SdfModel) -> bool:
+    """Tells whether each bit that Gazebo keeps is in a mask of the file."""
     masks = [
         shape.mask for link in model.links.values() for shape in link.collisions if shape.mask is not None
     ]
@@ -111,4 +123,5 @@ def _full(model: SdfModel) -> bool:
 
 
 def _mask(shape: SdfShape) -> int:
+    """Returns the mask of a collider as Gazebo keeps it."""
     return (DEFAULT_MASK if shape.mask is None else shape.mask) & ALL_BITS

@@ -28,25 +28,26 @@ ATTRIBUTE_NAMES = ShapeWords("geometry", "mesh uri", "mesh scale", ("pose", "pos
 """SDF's names for the properties of a shape."""
 
 
-def missing_meshes(path: Path) -> Check:
-    """Checks that every mesh that the file names exists."""
+def mesh_file_check(path: Path) -> Check:
+    """Checks that every mesh that the file names exists. The folder of the file counts as the model of
+    `model://<model>/<path>`."""
     findings = []
-    texts = {node.text or "" for node in parse(path.read_bytes()).iterfind(".//mesh/uri")}
-    for text in sorted(texts):
-        inside = text.partition("://")[2].partition("/")[2] if "://" in text else text
-        if not (path.parent / inside).is_file():
-            findings.append(Finding("mesh", "uri", f'"{text}" does not exist'))
+    uris = {node.text or "" for node in parse(path.read_bytes()).iterfind(".//mesh/uri")}
+    for uri in sorted(uris):
+        relative_path = uri.partition("://")[2].partition("/")[2] if "://" in uri else uri
+        if not (path.parent / relative_path).is_file():
+            findings.append(Finding("mesh", "uri", f'"{uri}" does not exist'))
     missing = ", ".join(finding.message for finding in findings[:3])
-    detail = f"missing: {missing}" if findings else "every mesh is there"
+    detail = f"missing: {missing}" if findings else "every mesh exists"
     return Check(
         f"{path.name}: meshes", not findings, detail, float(len(findings)), 0.0, findings=few(findings)
     )
 
 
-def of_model(model: SdfModel, robot: Robot, root: str, scene: Scene | None) -> list[Finding]:
+def model_findings(model: SdfModel, robot: Robot, root: str, scene: Scene | None) -> list[Finding]:
     """Checks the model's name, that gravity and forces move its links, and that it is where the scene has the
-    robot. The height of a free robot is not compared, since it depends on the joints, which may differ from
-    qpos0. `root`: the root link."""
+    robot. The height of a free robot is not compared: the scene's is for MuJoCo's qpos0, from which the
+    joints of the SDF may differ. `root`: the name of the root link in the SDF."""
     element, findings = named("model", model.name), list[Finding]()
     if model.name != robot.name:
         findings.append(differs(element, "name", model.name, robot.name))
@@ -55,14 +56,16 @@ def of_model(model: SdfModel, robot: Robot, root: str, scene: Scene | None) -> l
         findings += [] if link.falls else [differs(title, "gravity", "false", "true")]
         findings += [] if link.forced else [differs(title, "kinematic", "true", "false")]
     if scene is not None and robot.root.name != "world":
-        place = model.world_from_model @ model.links[root].model_from_link
+        world_from_root = model.world_from_model @ model.links[root].model_from_link
         if not robot.base.fixed:
-            place[2, 3] = scene.world_from_root[2, 3]
-        findings += pose_findings(element, place, scene.world_from_root, ("pose", "pose"), ENGINE_TOLERANCE)
+            world_from_root[2, 3] = scene.world_from_root[2, 3]
+        findings += pose_findings(
+            element, world_from_root, scene.world_from_root, ("pose", "pose"), ENGINE_TOLERANCE
+        )
     return findings
 
 
-def shapes(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
+def shape_findings(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
     """Compares the shapes of links, and their friction. Links between the dofs of a joint have no shapes.
     `links`: link of the robot → its name in the SDF."""
     holders = {name: (title, UNMOVED) for name, title in links.items()}
@@ -77,20 +80,23 @@ def shapes(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> lis
         element = named("link", link.name)
         expected_shapes = expected.get((link.name, "visual"), [])
         different = list(differences(element, "visual", link.visuals, expected_shapes, ATTRIBUTE_NAMES))
-        findings += different or _shades(element, link.visuals, expected_shapes)
+        findings += different or _shade_differences(element, link.visuals, expected_shapes)
         expected_shapes = expected.get((link.name, "collision"), [])
         different = list(differences(element, "collision", link.collisions, expected_shapes, ATTRIBUTE_NAMES))
-        findings += different or _frictions(element, link.collisions, colliders.get(link.name, []))
+        findings += different or _friction_differences(element, link.collisions, colliders.get(link.name, []))
     return findings
 
 
 def _solid(shape: Shape) -> WrittenShape:
-    """Returns the expected solid of a shape. A mesh with an image has the colours of its file."""
+    """Returns the expected solid of a shape. A mesh with an image has the colours of its file, so its own
+    are not compared."""
     solid = solid_of(shape)
     return replace(solid, colour=None, texture="") if shape.texture else solid
 
 
-def _shades(element: str, actual: Sequence[SdfShape], expected: Sequence[WrittenShape]) -> Iterator[Finding]:
+def _shade_differences(
+    element: str, actual: Sequence[SdfShape], expected: Sequence[WrittenShape]
+) -> Iterator[Finding]:
     """Compares the shades of a link's visuals. `actual` and `expected` have the same length."""
     for number, (shape, solid) in enumerate(zip(actual, expected, strict=True), 1):
         if solid.colour is None:
@@ -101,19 +107,22 @@ def _shades(element: str, actual: Sequence[SdfShape], expected: Sequence[Written
             yield differs(element, f"visual {number} transparency", shape.transparency, 1.0 - solid.colour[3])
 
 
-def _frictions(element: str, actual: Sequence[SdfShape], expected: Sequence[Shape]) -> Iterator[Finding]:
+def _friction_differences(
+    element: str, actual: Sequence[SdfShape], expected: Sequence[Shape]
+) -> Iterator[Finding]:
     """Compares the friction of a link's colliders. `actual` and `expected` have the same length."""
-    for number, (shape, goal) in enumerate(zip(actual, expected, strict=True), 1):
-        which = f"collision {number} surface"
-        friction = goal.contact.friction[0] if goal.contact and goal.contact.friction else None
+    for number, (shape, expected_shape) in enumerate(zip(actual, expected, strict=True), 1):
+        contact = expected_shape.contact
+        # SDF has a coefficient for each of two directions, the robot has one for both.
+        sliding_friction = contact.friction[0] if contact and contact.friction else None
         for key, value in zip(("mu", "mu2"), shape.friction, strict=True):
-            if value != friction and not _is_same(value, friction):
-                yield differs(element, f"{which} friction ode {key}", shown(value), shown(friction))
+            if not _is_same(value, sliding_friction):
+                attribute = f"collision {number} surface friction ode {key}"
+                yield differs(element, attribute, shown(value), shown(sliding_friction))
 
 
-def _is_same(value: float | None, expected: float | None) -> bool:
-    return (
-        value is not None
-        and expected is not None
-        and abs(value - expected) <= ENGINE_TOLERANCE * max(1.0, abs(expected))
-    )
+def _is_same(actual: float | None, expected: float | None) -> bool:
+    """Tells whether two coefficients are equal within the tolerance, or both missing."""
+    if actual is None or expected is None or actual == expected:
+        return actual == expected
+    return abs(actual - expected) <= ENGINE_TOLERANCE * max(1.0, abs(expected))

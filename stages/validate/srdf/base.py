@@ -11,15 +11,15 @@ WORLD = "world"
 """The frame to which the base is fixed, or in which it floats."""
 
 
-def base(read: ReadSrdf) -> Iterator[Finding]:
+def base_findings(read: ReadSrdf) -> Iterator[Finding]:
     """Compares the robot's name, and the virtual joint between its root and the world. A root that is the
-    world has no such joint. The world's name in the source's SRDF counts as the world."""
+    world has no such joint. The world has the name that the source's SRDF gives it."""
     if read.root.get("name") != read.robot.name:
         yield differs(
             named("robot", read.root.get("name", "")), "name", read.root.get("name"), read.robot.name
         )
     nodes, root = read.root.findall("virtual_joint"), read.robot.root.name
-    from_source = read.robot.semantics.virtual_joint
+    source_joint = read.robot.semantics.virtual_joint
     if root == WORLD:
         for node in nodes:
             element = named("virtual_joint", node.get("name", ""))
@@ -30,20 +30,22 @@ def base(read: ReadSrdf) -> Iterator[Finding]:
     expected = {
         "type": "fixed" if read.robot.base.fixed else "floating",
         "child_link": root,
-        "parent_frame": from_source.parent_frame if from_source else WORLD,
+        "parent_frame": source_joint.parent_frame if source_joint else WORLD,
     }
     for node in nodes:
         element = named("virtual_joint", node.get("name", ""))
         if node.get("name") in read.joints:
             yield Finding(element, "name", "a joint of the URDF has this name")
         for key, value in expected.items():
-            if node.get(key) != value and not (key == "child_link" and node.get(key) not in read.links):
+            # The check of the names reports a link that does not exist.
+            is_unknown_link = key == "child_link" and node.get(key) not in read.links
+            if node.get(key) != value and not is_unknown_link:
                 yield differs(element, key, node.get(key), value)
 
 
-def passive(read: ReadSrdf) -> Iterator[Finding]:
-    """Reports passive joints that are driven or follow another joint, and undriven joints that are not
-    passive."""
+def passive_joint_findings(read: ReadSrdf) -> Iterator[Finding]:
+    """Yields passive joints that are fixed, are driven or follow another joint, and undriven joints that are
+    not passive."""
     turns = read.written.urdf_names.turns
     dofs = passive_dofs(read.robot, read.written.as_urdf.robot, read.written.actuation)
     expected = [name for dof in dofs for name in turns.get(dof, (dof,))]
@@ -52,8 +54,11 @@ def passive(read: ReadSrdf) -> Iterator[Finding]:
     for name in names:
         if name in read.chains.joints and name not in expected:
             dof = read.chains.joints[name].dof
-            why = "is fixed" if dof is None else "follows another" if dof.name in followers else "is driven"
-            yield Finding(named("passive_joint", name), "name", f"{why}, and is not passive")
+            if dof is None:
+                reason = "is fixed"
+            else:
+                reason = "follows another" if dof.name in followers else "is driven"
+            yield Finding(named("passive_joint", name), "name", f"{reason}, and is not passive")
     for name in expected:
         if name not in names:
             yield Finding(named("passive_joint", name), "name", "is missing, and nothing drives the joint")

@@ -5,14 +5,14 @@ from collections.abc import Collection, Iterator
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.findings import differs, named
-from linkwright.stages.validate.srdf.read_srdf import ALL, ReadSrdf
+from linkwright.stages.validate.srdf.read_srdf import GROUP_OF_ALL, ReadSrdf
 
 
-def groups(read: ReadSrdf) -> Iterator[Finding]:
+def group_findings(read: ReadSrdf) -> Iterator[Finding]:
     """Checks that each chain is a chain of the robot, and that no group is empty or exists twice.
 
-    Groups of the source must exist with their joints. If the source has no groups, chains must end where
-    their names say, each moving frame must have a group, and a group must have all joints.
+    Groups of the source must exist with their joints. If the source has no groups, a chain must end at the
+    link whose name it has, each moving frame must have a group, and a group must have all joints.
     """
     names = {*read.chains.joints, *read.chains.links, *read.groups}
     for node in read.root.findall("group"):
@@ -20,32 +20,40 @@ def groups(read: ReadSrdf) -> Iterator[Finding]:
         if read.groups[name] is not node:
             yield Finding(element, "name", "another group has this name")
             continue
-        wrong = list(_chains(read, node))
-        yield from wrong
+        chain_findings = list(_chain_findings(read, node))
+        yield from chain_findings
         keys = ("name", "base_link", "tip_link")
         names_used = {child.get(key) for child in node.iterchildren() for key in keys if child.get(key)}
         # Nothing is known about links and joints that do not exist, or that the user's own XML adds.
         foreign = names_used - names
-        if not wrong and not foreign and not read.moved_by(name):
+        if not chain_findings and not foreign and not read.moved_by(name):
             yield Finding(element, "", "moves nothing")
     if read.source_groups:
-        yield from _of_source(read)
+        yield from _source_differences(read)
         return
     for link in _moving_frames(read):
         if link not in read.groups:
             yield Finding(named("group", link), "name", f"is missing, expected the chain to {link}")
-    joints = read.moving
-    complete = [name for name in read.groups if read.moved_by(name) == joints]
-    group_of_all = read.groups.get(ALL)
-    is_judged = group_of_all is not None and group_of_all.find("chain") is None and not read.chains.has(ALL)
-    if joints and (is_judged and ALL not in complete):
-        missing = sorted(joints - read.moved_by(ALL))
-        yield Finding(named("group", ALL), "joint", f"is without {', '.join(missing)}, expected every joint")
-    elif joints and not complete:
-        yield Finding(named("group", ALL), "name", "is missing, and no other group has every joint")
+    yield from _findings_on_all_joints(read)
 
 
-def _of_source(read: ReadSrdf) -> Iterator[Finding]:
+def _findings_on_all_joints(read: ReadSrdf) -> Iterator[Finding]:
+    """Checks that a group has all joints: the group of this name, unless it is a chain or is named after a
+    link, else any group."""
+    element, joints = named("group", GROUP_OF_ALL), read.moving_joints
+    if not joints:
+        return
+    complete_groups = [name for name in read.groups if read.moved_by(name) == joints]
+    group = read.groups.get(GROUP_OF_ALL)
+    is_judged = group is not None and group.find("chain") is None and not read.chains.has(GROUP_OF_ALL)
+    if is_judged and GROUP_OF_ALL not in complete_groups:
+        missing = sorted(joints - read.moved_by(GROUP_OF_ALL))
+        yield Finding(element, "joint", f"is without {', '.join(missing)}, expected every joint")
+    elif not complete_groups:
+        yield Finding(element, "name", "is missing, and no other group has every joint")
+
+
+def _source_differences(read: ReadSrdf) -> Iterator[Finding]:
     """Yields the differences from the groups of the robot's source."""
     for name, joints in read.source_groups.items():
         if name not in read.groups:
@@ -55,7 +63,9 @@ def _of_source(read: ReadSrdf) -> Iterator[Finding]:
             yield Finding(named("group", name), "joint", message)
 
 
-def _chains(read: ReadSrdf, node: Element) -> Iterator[Finding]:
+def _chain_findings(read: ReadSrdf, node: Element) -> Iterator[Finding]:
+    """Yields the chains of a group that are not chains of the robot, or that end elsewhere than the group's
+    name says."""
     name = node.get("name", "")
     element = named("group", name)
     chains = node.findall("chain")
@@ -79,9 +89,10 @@ def _moving_frames(read: ReadSrdf) -> Iterator[str]:
             yield link
 
 
-def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
-    """Checks that every end effector exists. End effectors of the source must be as in the source; all others
-    must have everything that their parent link carries, at the end of the group that moves that link."""
+def end_effector_findings(read: ReadSrdf) -> Iterator[Finding]:
+    """Checks that every end effector exists. End effectors of the source must be as in the source. The group
+    of any other must have all joints that its parent link carries, and its parent group those that move this
+    link."""
     source = {effector.name: effector for effector in read.robot.semantics.end_effectors}
     nodes = {node.get("name", ""): node for node in read.root.findall("end_effector")}
     srdf = read.written.srdf_form
@@ -102,10 +113,11 @@ def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
                 yield differs(named("end_effector", name), key, node.get(key), value)
     for node in read.root.findall("end_effector"):
         if node.get("name", "") not in source:
-            yield from _end_of_arm(read, node)
+            yield from _end_of_arm_findings(read, node)
 
 
-def _end_of_arm(read: ReadSrdf, node: Element) -> Iterator[Finding]:
+def _end_of_arm_findings(read: ReadSrdf, node: Element) -> Iterator[Finding]:
+    """Checks an end effector that is not the source's; nothing is known about other links and groups."""
     element, parent = named("end_effector", node.get("name", "")), node.get("parent_link", "")
     group, arm = node.get("group", ""), node.get("parent_group", "")
     if not read.chains.has(parent) or not {group, arm} <= read.groups.keys():
@@ -113,9 +125,9 @@ def _end_of_arm(read: ReadSrdf, node: Element) -> Iterator[Finding]:
     moved_joints, beyond = read.moved_by(group), read.joints_beyond(parent)
     if moved_joints != beyond:
         carriers = sorted({read.chains.joints[name].parent for name in moved_joints})
-        fits = [link for link in carriers if read.joints_beyond(link) == moved_joints]
-        if fits:
-            yield differs(element, "parent_link", parent, " or ".join(fits))
+        fitting_links = [link for link in carriers if read.joints_beyond(link) == moved_joints]
+        if fitting_links:
+            yield differs(element, "parent_link", parent, " or ".join(fitting_links))
             return
         message = f"moves {_listed(moved_joints)}, expected all that {parent} carries: {_listed(beyond)}"
         yield Finding(element, "group", message)
@@ -125,4 +137,5 @@ def _end_of_arm(read: ReadSrdf, node: Element) -> Iterator[Finding]:
 
 
 def _listed(names: Collection[str]) -> str:
+    """Returns the names in their order, or "nothing"."""
     return ", ".join(sorted(names)) or "nothing"

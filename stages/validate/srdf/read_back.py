@@ -8,22 +8,22 @@ from linkwright.stages.formats.xml import Malformed, parse
 from linkwright.stages.robot.check import Check
 from linkwright.stages.validate.findings import few
 from linkwright.stages.validate.reading.documents import sentence
-from linkwright.stages.validate.srdf.base import base, passive
-from linkwright.stages.validate.srdf.groups import end_effectors, groups
-from linkwright.stages.validate.srdf.pairs import pairs
+from linkwright.stages.validate.srdf.base import base_findings, passive_joint_findings
+from linkwright.stages.validate.srdf.groups import end_effector_findings, group_findings
+from linkwright.stages.validate.srdf.pairs import pair_findings
 from linkwright.stages.validate.srdf.read_srdf import ReadSrdf
-from linkwright.stages.validate.srdf.references import references
-from linkwright.stages.validate.srdf.states import states
+from linkwright.stages.validate.srdf.references import reference_findings
+from linkwright.stages.validate.srdf.states import state_findings
 
 CHECKS = {
-    "names": (references, "every link, joint and group that it names is there"),
-    "base": (base, "the robot's name, and the joint by which it is in the world"),
-    "groups": (groups, "chains to each frame, and a group of every joint"),
-    "end effectors": (end_effectors, "each is what its parent link carries"),
-    "poses": (states, "each group at `home` and at the keyframes of the robot"),
-    "passive joints": (passive, "those that nothing drives"),
+    "names": (reference_findings, "every link, joint and group that it names exists"),
+    "base": (base_findings, "the robot's name, and the joint by which it is in the world"),
+    "groups": (group_findings, "chains to each frame, and a group of every joint"),
+    "end effectors": (end_effector_findings, "each is what its parent link carries"),
+    "poses": (state_findings, "each group at `home` and at the keyframes of the robot"),
+    "passive joints": (passive_joint_findings, "those that nothing drives"),
     "disabled collisions": (
-        pairs,
+        pair_findings,
         "the pairs of links that the robot keeps from colliding, with the reasons",
     ),
 }
@@ -31,8 +31,8 @@ CHECKS = {
 
 
 def check_file(path: Path, written: Written, *, quick: bool) -> Iterator[Check]:
-    """Yields the results. It yields nothing if `quick`, or for a file that is not XML, since another check
-    reads the text."""
+    """Yields the results of `CHECKS`. It yields nothing if `quick`, or for a file that is not XML, which
+    another check reports."""
     try:
         root = parse(path.read_bytes())
     except Malformed:

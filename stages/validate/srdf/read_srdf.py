@@ -32,12 +32,12 @@ class ReadSrdf:
     groups: dict[str, Element] = field(init=False)
     """Name → group; of groups with the same name, the first."""
 
-    moving: frozenset[str] = field(init=False)
+    moving_joints: frozenset[str] = field(init=False)
     """The joints that groups may have: all moving joints except free joints."""
 
-    own: frozenset[str] = field(init=False)
-    """The groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints, and those
-    of the source."""
+    robot_groups: frozenset[str] = field(init=False)
+    """The names of the groups that are made from the robot: those to a frame or link, of an end effector, of
+    all joints, and of the source. Other groups are the user's."""
 
     source_groups: dict[str, frozenset[str]] = field(init=False)
     """The groups of the source, with their joints."""
@@ -48,21 +48,26 @@ class ReadSrdf:
         groups: dict[str, Element] = {}
         for node in self.root.findall("group"):
             groups.setdefault(node.get("name", ""), node)
-        of_hands = (effector.get("group", "") for effector in self.root.findall("end_effector"))
+        groups_of_effectors = (effector.get("group", "") for effector in self.root.findall("end_effector"))
         turns = self.written.urdf_names.turns
-        source = {
+        source_groups = {
             group.name: frozenset(name for dof in group.joints for name in turns.get(dof, (dof,)))
             for group in self.robot.semantics.groups
         }
+        # Each is a tag and a name, such as "link camera".
         added = [add.partition(" ") for change in changes for add in change.adds]
+        # The dataclass is frozen, so that its fields cannot be set otherwise.
         for key, value in (
             ("chains", chains),
             ("links", frozenset({*chains.links, *(name for tag, _, name in added if tag == "link")})),
             ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
             ("groups", groups),
-            ("moving", frozenset(name for name, step in chains.joints.items() if step.moves)),
-            ("own", frozenset({*chains.links, *of_hands, ALL, *source})),
-            ("source_groups", source),
+            ("moving_joints", frozenset(name for name, step in chains.joints.items() if step.moves)),
+            (
+                "robot_groups",
+                frozenset({*chains.links, *groups_of_effectors, GROUP_OF_ALL, *source_groups}),
+            ),
+            ("source_groups", source_groups),
         ):
             object.__setattr__(self, key, value)
 
@@ -80,9 +85,11 @@ class ReadSrdf:
         names, and the joints of its chains and of its groups."""
         return frozenset(step.name for step in self._steps(group, frozenset()) if step.moves)
 
-    def _steps(self, group: str, seen: frozenset[str]) -> Iterator[UrdfStep]:
+    def _steps(self, group: str, outer_groups: frozenset[str]) -> Iterator[UrdfStep]:
+        """Yields the steps of a group's joints. `outer_groups`: the groups that this group is in, which end a
+        circle of groups."""
         node = self.groups.get(group)
-        if node is None or group in seen:
+        if node is None or group in outer_groups:
             return
         for joint in node.findall("joint"):
             yield from filter(None, [self.chains.joints.get(joint.get("name", ""))])
@@ -91,12 +98,7 @@ class ReadSrdf:
         for chain in node.findall("chain"):
             yield from self.chains.between(chain.get("base_link", ""), chain.get("tip_link", "")) or ()
         for inner in node.findall("group"):
-            yield from self._steps(inner.get("name", ""), seen | {group})
-
-    def is_own(self, group: str) -> bool:
-        """Tells whether every SRDF of the robot has this group: to a frame or link, of a gripper, or of all
-        joints. Other groups are the user's."""
-        return group in self.own
+            yield from self._steps(inner.get("name", ""), outer_groups | {group})
 
     def rigid_with(self, link: str) -> set[str]:
         """Returns `link` and the links that no joint moves relative to it."""
@@ -113,12 +115,12 @@ class ReadSrdf:
     def joints_beyond(self, link: str) -> frozenset[str]:
         """Returns the joints of groups that the links rigid with `link` carry, except those beyond a free
         joint."""
-        body, base = self.rigid_with(link), self.chains.base_of(link)
+        rigid_links, base = self.rigid_with(link), self.chains.base_of(link)
         return frozenset(
             name
-            for name in self.moving
+            for name in self.moving_joints
             if self.chains.base_of(self.chains.joints[name].child) == base
-            and body & {step.parent for step in self.chains.up(self.chains.joints[name].child)}
+            and rigid_links & {step.parent for step in self.chains.up(self.chains.joints[name].child)}
         )
 
     def joints_to(self, link: str) -> frozenset[str]:
@@ -127,15 +129,15 @@ class ReadSrdf:
         return frozenset(step.name for step in steps if step.moves)
 
 
-ALL = "all"
+GROUP_OF_ALL = "all"
 """Name of the group of all joints."""
 
 
-def state(node: Element) -> str:
+def title_of_state(node: Element) -> str:
     """Returns the title of a group's pose in findings."""
     return f"{named('group_state', node.get('name', ''))} of {named('group', node.get('group', ''))}"
 
 
-def pair(node: Element) -> str:
+def title_of_pair(node: Element) -> str:
     """Returns the title, in findings, of an element with two links."""
     return named(str(node.tag), f'{node.get("link1", "")}" "{node.get("link2", "")}')

@@ -6,7 +6,7 @@ from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.text.globs import did_you_mean
 from linkwright.stages.validate.findings import named
-from linkwright.stages.validate.srdf.read_srdf import ReadSrdf, pair, state
+from linkwright.stages.validate.srdf.read_srdf import ReadSrdf, title_of_pair, title_of_state
 
 REFERENCES = (
     ("virtual_joint", "child_link", "link"),
@@ -35,8 +35,8 @@ OPTIONAL_ATTRIBUTES = ("parent_group",)
 """Attributes that may be missing."""
 
 
-def references(read: ReadSrdf) -> Iterator[Finding]:
-    """Yields names of things that do not exist, with the nearest name that does."""
+def reference_findings(read: ReadSrdf) -> Iterator[Finding]:
+    """Yields the names of links, joints and groups that do not exist, with the nearest name that does."""
     names = {"link": read.links, "joint": read.joints, "group": frozenset(read.groups)}
     for path, attribute, kind in REFERENCES:
         for node in read.root.iterfind(path):
@@ -44,14 +44,16 @@ def references(read: ReadSrdf) -> Iterator[Finding]:
             if name not in names[kind] and (name or attribute not in OPTIONAL_ATTRIBUTES):
                 nearest = did_you_mean(name, sorted(names[kind]))
                 hint = f"; {nearest}" if nearest else ""
-                inner = f"{tag(node)} " if "/" in path else ""
-                element = _title(node.getparent() if inner else node)
-                yield Finding(element, f"{inner}{attribute}", f'there is no {kind} "{name}"{hint}')
+                is_inner = "/" in path
+                element = _title(node.getparent() if is_inner else node)
+                title = f"{tag(node)} {attribute}" if is_inner else attribute
+                yield Finding(element, title, f'there is no {kind} "{name}"{hint}')
 
 
 def _title(node: Element) -> str:
+    """Returns the title of an element of the SRDF in findings."""
     if tag(node) == "group_state":
-        return state(node)
+        return title_of_state(node)
     if node.get("link1") is not None:
-        return pair(node)
+        return title_of_pair(node)
     return named(tag(node), node.get("name") or node.get("link") or "")

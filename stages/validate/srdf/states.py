@@ -12,17 +12,19 @@ from linkwright.stages.robot.model.robot import Configuration
 from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 from linkwright.stages.validate.findings import differs, named, shown
 from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, distance
-from linkwright.stages.validate.srdf.read_srdf import ReadSrdf, state
+from linkwright.stages.validate.srdf.read_srdf import ReadSrdf, title_of_state
 
 
-def states(read: ReadSrdf) -> Iterator[Finding]:
-    """Checks that each group has `home` and the user's own keyframes, with every joint of the group at the
-    robot's value. Poses of other names must be within limits."""
+def state_findings(read: ReadSrdf) -> Iterator[Finding]:
+    """Checks that each of the robot's groups has `home` and the robot's other keyframes, with every joint of
+    the group at the robot's value. Poses of other names must be within limits."""
     names = [HOME, *(keyframe.name for keyframe in read.robot.keyframes if keyframe.name != HOME)]
     poses = keyframes(read.robot)
     existing = {(node.get("name"), node.get("group")) for node in read.root.findall("group_state")}
     for group in read.groups:
-        for name in names if read.is_own(group) and read.moved_by(group) else ():
+        if group not in read.robot_groups or not read.moved_by(group):
+            continue
+        for name in names:
             if (name, group) not in existing:
                 element = f"{named('group_state', name)} of {named('group', group)}"
                 yield Finding(element, "name", "is missing")
@@ -38,41 +40,42 @@ def states(read: ReadSrdf) -> Iterator[Finding]:
 
 
 def _joint_findings(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
-    """Yields the joints that a pose lacks, or must not have, and values that are not numbers."""
+    """Yields the joints that a pose lacks, or must not have, and values that are not finite numbers."""
     moved_joints = read.moved_by(node.get("group", ""))
     for joint in sorted((moved_joints ^ values.keys()) & read.chains.joints.keys()):
         message = "has no value" if joint in moved_joints else "is not a moving joint of the group"
-        yield Finding(state(node), f"joint {joint}", message)
+        yield Finding(title_of_state(node), f"joint {joint}", message)
     for joint, value in values.items():
         if not math.isfinite(value):
-            yield Finding(state(node), f"joint {joint} value", "is not a number")
+            yield Finding(title_of_state(node), f"joint {joint} value", "is not a number")
 
 
 def _differences_from_pose(
     read: ReadSrdf, node: Element, values: Mapping[str, float], pose: Configuration
 ) -> Iterator[Finding]:
     """Yields the values that differ from a pose of the robot."""
-    balls: dict[str, list[tuple[str, float]]] = {}
+    values_by_ball: dict[str, list[tuple[str, float]]] = {}
     for joint, value in values.items():
         step = read.chains.joints.get(joint)
         if step is None or step.dof is None or not step.moves or not math.isfinite(value):
             continue
         expected = pose[step.dof.name]
         if isinstance(expected, tuple):
-            balls.setdefault(step.dof.name, []).append((joint, value))
+            values_by_ball.setdefault(step.dof.name, []).append((joint, value))
         elif abs(value - expected) > ENGINE_TOLERANCE * max(1.0, abs(expected)):
-            yield differs(state(node), f"joint {joint} value", value, expected)
+            yield differs(title_of_state(node), f"joint {joint} value", value, expected)
     order = list(read.chains.joints)
-    for name, ball_joints in balls.items():
-        # A ball is three joints in a row, which turn about x, then y, then z.
-        ball_joints.sort(key=lambda row: order.index(row[0]))
+    for name, ball_joints in values_by_ball.items():
+        # A ball is three joints in a row, which turn about x, then y, then z. If one of them has no value,
+        # `_joint_findings` reports it.
+        ball_joints.sort(key=lambda joint_and_value: order.index(joint_and_value[0]))
         pose_of_ball = np.eye(4)
         for (_, angle), axis in zip(ball_joints, np.eye(3), strict=False):
             pose_of_ball = pose_of_ball @ motion("turn", axis, angle)
         difference = distance(pose_of_ball, motion("ball", np.zeros(3), pose[name]))
         if len(ball_joints) == 3 and difference > ENGINE_TOLERANCE:
             message = f"is turned by {shown(math.degrees(difference))} degrees from where the robot has it"
-            yield Finding(state(node), f"joint {ball_joints[0][0]} value", message)
+            yield Finding(title_of_state(node), f"joint {ball_joints[0][0]} value", message)
 
 
 def _values_beyond_limits(read: ReadSrdf, node: Element, values: Mapping[str, float]) -> Iterator[Finding]:
@@ -82,7 +85,7 @@ def _values_beyond_limits(read: ReadSrdf, node: Element, values: Mapping[str, fl
         low, high = step.limits.interval if step is not None else (-math.inf, math.inf)
         if not low - ENGINE_TOLERANCE <= value <= high + ENGINE_TOLERANCE and math.isfinite(value):
             message = f"is {shown(value)}, expected {shown(low)} to {shown(high)}"
-            yield Finding(state(node), f"joint {joint} value", message)
+            yield Finding(title_of_state(node), f"joint {joint} value", message)
 
 
 def _joint_value(node: Element) -> float:
