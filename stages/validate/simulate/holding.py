@@ -1,4 +1,4 @@
-"""Computes the forces by which a model's joints hold its weight, with closed loops, and the joints'
+"""Computes the forces with which a model's joints hold its weight, also in closed loops, and the joints'
 strength."""
 
 from collections.abc import Mapping
@@ -16,15 +16,18 @@ from linkwright.stages.validate.simulate.running import flags, with_options
 def driven_joints(model: Any) -> list[int]:
     """Returns the hinges and slides that actuators drive; without actuators, those that follow no other
     joint."""
-    follows = {
+    followers = {
         int(model.eq_obj1id[row]) for row in range(model.neq) if model.eq_type[row] == mujoco.mjtEq.mjEQ_JOINT
     }
-    on = [
+    joints_with_actuator = [
         int(joint)
         for joint, kind in zip(model.actuator_trnid[:, 0], model.actuator_trntype, strict=True)
         if kind == mujoco.mjtTrn.mjTRN_JOINT
     ]
-    joints = sorted(set(on)) if model.nu else [joint for joint in range(model.njnt) if joint not in follows]
+    if model.nu:
+        joints = sorted(set(joints_with_actuator))
+    else:
+        joints = [joint for joint in range(model.njnt) if joint not in followers]
     return [joint for joint in joints if mujoco.mjtJoint(model.jnt_type[joint]) in (HINGE, SLIDE)]
 
 
@@ -54,8 +57,8 @@ def strength(model: Any, joint: int) -> float | None:
 def holding_forces(
     model: Any, robot: Robot, poses: list[Configuration], payload: Mapping[str, float]
 ) -> dict[str, Array]:
-    """Returns the force [N m or N] (n,) of each driven joint that holds the weight and the `payload` [kg] at
-    rest, in each of the poses. A floating base is held.
+    """Returns the force [N m or N] (n,) of each driven joint that holds the weight and the `payload` (link or
+    frame → mass [kg]) at rest, in each of the n poses, by the joint's name. A floating base is held.
 
     The forces solve c = Sᵀ τ + Jᵀ λ, with the bias force less springs c, the driven joints S, the Jacobian J
     of the equalities and their forces λ. Of several solutions the smallest is taken (numpy's lstsq). Undriven
@@ -75,23 +78,25 @@ def holding_forces(
 
 
 def _weight(model: Any, data: Any, robot: Robot, payload: Mapping[str, float]) -> Array:
-    """Returns the force (nv,) that holds the weight, for every degree of freedom."""
+    """Returns the force (nv,) that holds the weight and the payload at every degree of freedom, as if there
+    were no equalities."""
     force: Array = data.qfrc_bias - data.qfrc_passive
     for name, mass in payload.items():
-        body, point = _place(model, data, robot, name)
-        rises = np.zeros((3, model.nv))
-        mujoco.mj_jac(model, data, rises, None, point, body)
-        force = force - mass * (rises.T @ model.opt.gravity)
+        body, point = _payload_place(model, data, robot, name)
+        point_jacobian = np.zeros((3, model.nv))
+        mujoco.mj_jac(model, data, point_jacobian, None, point, body)
+        force = force - mass * (point_jacobian.T @ model.opt.gravity)
     return force
 
 
-def _place(model: Any, data: Any, robot: Robot, name: str) -> tuple[int, Array]:
+def _payload_place(model: Any, data: Any, robot: Robot, name: str) -> tuple[int, Array]:
     """Returns the body that carries a payload, and the payload's place [m] in the world: the origin of a
     frame, or the centre of mass of a link."""
     site, body = site_index(model, name), body_index(model, name)
     link = next((link for link in robot.links if link.name == name), None)
     if link is None:
         return int(model.site_bodyid[site]), site_pose(model, data, site)[:3, 3]
+    # A link that is merged into another is a site.
     if body < 0:
         body = int(model.site_bodyid[site])
     pose = link_pose(model, data, robot, name)
@@ -99,17 +104,19 @@ def _place(model: Any, data: Any, robot: Robot, name: str) -> tuple[int, Array]:
 
 
 def _joint_forces(model: Any, data: Any, joints: list[int], force: Array) -> Array:
+    """Returns the forces of the joints that, with those of the equalities, hold a force (nv,)."""
     dofs = [int(model.jnt_dofadr[joint]) for joint in joints]
     if not data.nefc:
         return force[dofs]
     jacobian = np.reshape(data.efc_J, (-1, model.nv))[: data.nefc]
+    # Other degrees of freedom hang freely, and a free base is held: they have no equation.
     has_equation = np.abs(jacobian).max(axis=0) > 0.0
     has_equation[dofs] = True
     for joint in np.flatnonzero(model.jnt_type == int(FREE)):
         first = int(model.jnt_dofadr[joint])
         has_equation[first : first + 6] = False
-    drive = np.zeros((model.nv, len(dofs)))
-    drive[dofs, range(len(dofs))] = 1.0
-    columns = np.concatenate([drive, jacobian.T], axis=1)[has_equation]
-    solved: Array = np.linalg.lstsq(columns, force[has_equation], rcond=None)[0]
-    return solved[: len(dofs)]
+    selection = np.zeros((model.nv, len(dofs)))
+    selection[dofs, range(len(dofs))] = 1.0
+    columns = np.concatenate([selection, jacobian.T], axis=1)[has_equation]
+    solution: Array = np.linalg.lstsq(columns, force[has_equation], rcond=None)[0]
+    return solution[: len(dofs)]

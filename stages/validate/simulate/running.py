@@ -1,4 +1,4 @@
-"""Runs a compiled model with other options than its file's, and gives states to run it from."""
+"""Changes the options of a compiled model for a run, lists its contacts, and draws seeded numbers."""
 
 import hashlib
 from collections.abc import Iterator
@@ -19,13 +19,13 @@ robot apart."""
 @contextmanager
 def with_options(model: Any, **options: Any) -> Iterator[None]:
     """Sets members of the model's `option` while the context lasts."""
-    before = {name: getattr(model.opt, name) for name in options}
+    earlier_values = {name: getattr(model.opt, name) for name in options}
     try:
         for name, value in options.items():
             setattr(model.opt, name, value)
         yield
     finally:
-        for name, value in before.items():
+        for name, value in earlier_values.items():
             setattr(model.opt, name, value)
 
 

@@ -1,4 +1,4 @@
-"""Measures the speed of the simulated file. It is not a check, since it depends on the machine as well."""
+"""Measures the speed of the simulation. It is not a check, since it also depends on the machine."""
 
 import time
 from pathlib import Path
@@ -9,8 +9,8 @@ from linkwright.stages.mujoco.compile import NotCompiled, compiled_file
 from linkwright.stages.mujoco.state import at_keyframe
 from linkwright.stages.mujoco.warnings import collected_warnings
 
-SECONDS = 0.5
-"""Duration [s] of the measurement, which is done in pieces of `STEPS_PER_PIECE` steps."""
+MIN_SECONDS = 0.5
+"""Smallest duration [s] of the measurement, which is done in pieces of `STEPS_PER_PIECE` steps."""
 
 STEPS_PER_PIECE = 50
 """Number of steps between two looks at the clock."""
@@ -28,9 +28,9 @@ def steps_per_second(folder: Path, robot: str) -> float | None:
             data = at_keyframe(model)
             mujoco.mj_step(model, data)
             steps, start = 0, time.thread_time()
-            while (spent := time.thread_time() - start) < SECONDS:
+            while (elapsed := time.thread_time() - start) < MIN_SECONDS:
                 mujoco.mj_step(model, data, STEPS_PER_PIECE)
                 steps += STEPS_PER_PIECE
     except NotCompiled:
         return None  # the checks report it
-    return float(f"{steps / spent:.2g}") if model.nv else None
+    return float(f"{steps / elapsed:.2g}") if model.nv else None

@@ -18,22 +18,22 @@ class GeomPair:
 
 
 def geom_pairs(model: Any) -> Iterator[GeomPair]:
-    """Yields the pairs of the file, then the other geoms that their bits and bodies let touch, by MuJoCo's
-    filter."""
-    own_pairs = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True))
-    yield from (GeomPair(geoms, number) for number, geoms in enumerate(own_pairs))
-    listed = {frozenset(geoms) for geoms in own_pairs}
-    excluded = set(model.exclude_signature.tolist())
+    """Yields the pairs that the file lists, then the other pairs of geoms that may touch by their bits and
+    bodies: MuJoCo's filter."""
+    listed_pairs = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True))
+    yield from (GeomPair(geoms, number) for number, geoms in enumerate(listed_pairs))
+    listed_geoms = {frozenset(geoms) for geoms in listed_pairs}
+    excluded_signatures = set(model.exclude_signature.tolist())
     types, affinities = model.geom_contype.tolist(), model.geom_conaffinity.tolist()
-    solid: dict[int, list[int]] = {}
+    geoms_by_body: dict[int, list[int]] = {}
     for geom, body in enumerate(model.geom_bodyid.tolist()):
         if types[geom] or affinities[geom]:
-            solid.setdefault(body, []).append(geom)
-    # A signature has the lower number first.
-    for (low, firsts), (high, seconds) in combinations(sorted(solid.items()), 2):
-        if (low << 16) + high in excluded or never_collide(model, low, high):
+            geoms_by_body.setdefault(body, []).append(geom)
+    for (low, low_geoms), (high, high_geoms) in combinations(sorted(geoms_by_body.items()), 2):
+        # MuJoCo's signature of two bodies has the lower number in its upper 16 bits.
+        if (low << 16) + high in excluded_signatures or never_collide(model, low, high):
             continue
-        for first, second in product(firsts, seconds):
-            meets = types[first] & affinities[second] or types[second] & affinities[first]
-            if meets and frozenset((first, second)) not in listed:
+        for first, second in product(low_geoms, high_geoms):
+            may_touch = types[first] & affinities[second] or types[second] & affinities[first]
+            if may_touch and frozenset((first, second)) not in listed_geoms:
                 yield GeomPair((first, second))

@@ -14,24 +14,26 @@ from linkwright.stages.targets.row import ReaderRow
 from linkwright.stages.targets.things import THINGS_OF_ROBOTS, names_in_robot
 from linkwright.stages.validate.files.run import check_of
 from linkwright.stages.validate.reading.documents import ROOTS, read
-from linkwright.stages.validate.targets.model_things import MODEL
-from linkwright.stages.validate.targets.text_things import TEXT
+from linkwright.stages.validate.targets.model_things import MODEL_FINDERS
+from linkwright.stages.validate.targets.text_things import TEXT_FINDERS
 
 if TYPE_CHECKING:
     from linkwright.stages.formats.written import Written
     from linkwright.stages.validate.reading.documents import ModelDocument
 
 CODE = "C-TARGET"
+"""The code of these checks."""
 
 ENDINGS: Mapping[str, str] = {"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf", "usd": ".usda"}
 """Format → ending of a build's files."""
 
 _TITLES: Mapping[str, str] = {"urdf": "a URDF", "mjcf": "an MJCF", "sdf": "an SDF", "usd": "a USD"}
+"""Format → its name with an article."""
 
 
 @dataclass(frozen=True, slots=True)
 class _JudgedFile:
-    """A file that is judged."""
+    """A file that is judged, as far as it is known."""
 
     document: "ModelDocument | None"
     """The text, if it is XML."""
@@ -42,14 +44,14 @@ class _JudgedFile:
     written: "Written | None"
     """The robot that the file was written from, if it is known."""
 
-    def of(self, row: ReaderRow) -> Iterator[Finding]:
+    def findings(self, row: ReaderRow) -> Iterator[Finding]:
         """Yields findings on a row's thing in this file, from the model, else the text, else the robot."""
-        find = TEXT.get((row.format, row.thing))
-        if row.thing in MODEL and self.model is not None:
-            yield from MODEL[row.thing](self.model)
-        elif find is not None and self.document is not None:
-            yield from find(self.document)
-        elif self.written is not None and row.thing not in MODEL:
+        find_in_text = TEXT_FINDERS.get((row.format, row.thing))
+        if row.thing in MODEL_FINDERS and self.model is not None:
+            yield from MODEL_FINDERS[row.thing](self.model)
+        elif find_in_text is not None and self.document is not None:
+            yield from find_in_text(self.document)
+        elif self.written is not None and row.thing not in MODEL_FINDERS:
             names = names_in_robot(row, self.written.robot, self.written.shapes)
             yield from (Finding(name, "", "") for name in names)
 
@@ -64,9 +66,10 @@ def judge_file(
 ) -> tuple[Check, ...]:
     """Returns the check of a file for a target, and a warning for things that the engine leaves out.
 
-    A file of a build gets no warning, since the build's report has it. The check fails for a format that the
-    engine does not read, and for a file that MuJoCo does not compile if the engine needs that. `version`: the
-    version of MuJoCo; `written`: the robot of the build.
+    A file of a build gets no warning for things of its robot, since the build's report has them. The check
+    fails for a format that the engine does not read, and for a file that MuJoCo does not compile if the
+    engine needs that. `version`: the version of MuJoCo, None for the engine's own; `written`: the robot of
+    the build.
     """
     target_text = f"{target}:{version}" if version else target
     name, engine = f"target {target_text}", ENGINES[target]
@@ -74,7 +77,7 @@ def judge_file(
     document = None if path.suffix == ENDINGS["usd"] else read(path)
     form = _form(path, document)
     if form is None:
-        return (_failed_check(path, name, "it is no URDF, no MJCF and no SDF"),)
+        return (_failed_check(path, name, "it is neither a URDF nor an MJCF nor an SDF"),)
     if form not in engine.reads:
         return (
             _failed_check(path, name, f"{reader} reads {_in_words(engine.reads)}; this is {_TITLES[form]}"),
@@ -87,14 +90,15 @@ def judge_file(
             return (_failed_check(path, name, f"MuJoCo does not compile it: {error}"),)
     judged_file, rows = _JudgedFile(document, model, written), [*rows_of(target, form, version)]
     passed = f"{reader} takes all that it has"
-    refused = _findings([row for row in rows if row.met != "stated"], judged_file)
-    stated = [
+    error_findings = _findings([row for row in rows if row.met != "stated"], judged_file)
+    # The report of a build has the things of its robot that are left out.
+    stated_rows = [
         row for row in rows if row.met == "stated" and (written is None or row.thing not in THINGS_OF_ROBOTS)
     ]
-    left_out = _findings(stated, judged_file)
-    checks = [check_of(path, name, CODE, "error", refused, passed)]
-    if left_out:
-        checks.append(check_of(path, f"left out by {target_text}", CODE, "warning", left_out, passed))
+    warning_findings = _findings(stated_rows, judged_file)
+    checks = [check_of(path, name, CODE, "error", error_findings, passed)]
+    if warning_findings:
+        checks.append(check_of(path, f"left out by {target_text}", CODE, "warning", warning_findings, passed))
     return tuple(checks)
 
 
@@ -104,6 +108,7 @@ def message(row: ReaderRow) -> str:
 
 
 def _form(path: Path, document: "ModelDocument | None") -> str | None:
+    """Returns the format of a file with this text; None if it is unknown."""
     if document is None:
         return "usd" if path.suffix == ENDINGS["usd"] else None
     return {**ROOTS, "sdf": "sdf"}.get(tag(document.root))
@@ -121,5 +126,5 @@ def _findings(rows: list[ReaderRow], judged_file: _JudgedFile) -> list[Finding]:
     return [
         Finding(thing.element, thing.attribute, f"{thing.message}{message(row)}")
         for row in rows
-        for thing in judged_file.of(row)
+        for thing in judged_file.findings(row)
     ]

@@ -23,8 +23,8 @@ from linkwright.stages.targets.options import actuation_of, flags_of, options_of
 from linkwright.stages.targets.readers import READERS, rows_of
 from linkwright.stages.targets.section import TargetSection
 from linkwright.stages.targets.things import THINGS_OF_ROBOTS, reader_rows_of_robot
-from linkwright.stages.validate.targets.model_things import MODEL
-from linkwright.stages.validate.targets.text_things import TEXT
+from linkwright.stages.validate.targets.model_things import MODEL_FINDERS
+from linkwright.stages.validate.targets.text_things import TEXT_FINDERS
 from tests.support import drake
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.exports import exported
@@ -280,7 +280,7 @@ def test_robot_with_everything_has_every_row():
         (row.reader, row.format, row.thing) for row in READERS if row.thing in THINGS_OF_ROBOTS
     }
     of_files = [row for row in READERS if row.thing not in THINGS_OF_ROBOTS]
-    assert all(row.thing in MODEL or (row.format, row.thing) in TEXT for row in of_files)
+    assert all(row.thing in MODEL_FINDERS or (row.format, row.thing) in TEXT_FINDERS for row in of_files)
     assert {row: " ".join(rows[row]) for row in THINGS} == THINGS
 
 
