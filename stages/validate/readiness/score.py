@@ -1,6 +1,6 @@
 """Scores the readiness of a finished robot, as a check with a table of the points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from linkwright.stages.robot.check import Check, Table
@@ -11,6 +11,7 @@ from linkwright.stages.validate.readiness.points import POINTS, Point
 CODE = "C-READINESS"
 
 HEADER = ("point", "what a model should have", "", "what would raise it, or why not")
+"""The table's columns: number and title of a point, its verdict, and the faults or the reason."""
 
 PASSED, MISSING, NOT_APPLICABLE = "passed", "missing", "not applicable"
 
@@ -50,16 +51,16 @@ def _detail(judgements: Sequence[_JudgedPoint], passed: int, total: int) -> str:
 
 def judge_point(point: Point, finished: FinishedRobot) -> tuple[str, str]:
     """Returns a point's verdict, and the reason as text."""
+    faults_in_order: dict[str, None] = {}
     try:
-        faults = list(_faults(point, finished))
+        for fault in point.judge(finished):
+            faults_in_order[fault] = None
     except NotApplicable as reason:
-        return NOT_APPLICABLE, str(reason)
+        # A fault that was found before counts, even if the rest of the point does not apply.
+        if not faults_in_order:
+            return NOT_APPLICABLE, str(reason)
     except Exception as error:  # files may have been changed in any way
         return MISSING, f"it cannot be judged: {type(error).__name__}: {error}"
+    faults = list(faults_in_order)
     remainder = f", and {len(faults) - MAX_FAULTS} more" if len(faults) > MAX_FAULTS else ""
     return (MISSING, "; ".join(faults[:MAX_FAULTS]) + remainder) if faults else (PASSED, "")
-
-
-def _faults(point: Point, finished: FinishedRobot) -> Iterator[str]:
-    """Yields each fault of a point once."""
-    yield from dict.fromkeys(point.judge(finished))

@@ -8,10 +8,10 @@ import pytest
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.model.geometry import ColliderFigures, Geometry, Measures
 from linkwright.stages.robot.model.robot import Frame
-from linkwright.stages.validate.readiness.finished import FinishedRobot
+from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable
 from linkwright.stages.validate.readiness.joints import ground_height
-from linkwright.stages.validate.readiness.points import POINTS
-from linkwright.stages.validate.readiness.score import MISSING, NOT_APPLICABLE, PASSED, score
+from linkwright.stages.validate.readiness.points import POINTS, Point
+from linkwright.stages.validate.readiness.score import MISSING, NOT_APPLICABLE, PASSED, judge_point, score
 from tests.support.building import plan_of, write
 from tests.support.faults.checks import READINESS
 from tests.support.robots import at, joint, robot_with
@@ -56,6 +56,14 @@ def verdicts(robot, folder, **more):
 def test_there_are_thirty_five():
     assert [point.number for point in POINTS] == list(range(1, 36))
     assert len({point.title for point in POINTS}) == 35
+
+
+def test_fault_counts_where_the_rest_of_a_point_does_not_apply():
+    def judge(_):
+        yield "a fault"
+        raise NotApplicable("there is no ground")
+
+    assert judge_point(Point(1, "", judge), None) == (MISSING, "a fault")
 
 
 def test_ground_is_the_first_level_plane():
