@@ -34,6 +34,7 @@ HULL_TOLERANCE = 1e-3
 
 
 def roles(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether visual geoms and colliders are in groups of their own."""
     model = finished.model
     for geom in (geom for pair in finished.geoms_by_body.values() for geom in pair[0]):
         if model.geom_group[geom] != VISUAL:
@@ -46,12 +47,14 @@ def roles(finished: FinishedRobot) -> Iterator[str]:
 
 
 def colliders(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether each body with a shape has a collider."""
     for body, (_, solid) in finished.geoms_by_body.items():
         if not solid:
             yield f"give {finished.name_of('body', body)} a collider: mesh.colliders"
 
 
 def inertias(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether principal moments are above 0 and fulfil the triangle inequality."""
     model = finished.model
     for index, name in finished.bodies:
         a, b, c = np.sort(model.body_inertia[index])
@@ -60,6 +63,7 @@ def inertias(finished: FinishedRobot) -> Iterator[str]:
 
 
 def extents(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether inertias and centres of mass fit the shapes of their bodies."""
     model, judged = finished.model, False
     for body, pair in finished.geoms_by_body.items():
         geoms, mass = list(pair[0] or pair[1]), model.body_mass[body]
@@ -87,9 +91,11 @@ def extents(finished: FinishedRobot) -> Iterator[str]:
 
 
 def masses(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether bodies are heavy enough for stable time steps, alone and beside their parents."""
     model = finished.model
     for index, name in finished.bodies:
         mass, above = model.body_mass[index], int(model.body_parentid[index])
+        # The world has no mass.
         if above and model.body_mass[above] > MAX_MASS_RATIO * mass:
             yield f"{name} weighs less than a thousandth of its parent"
         elif mass < MIN_MASS:
@@ -97,14 +103,16 @@ def masses(finished: FinishedRobot) -> Iterator[str]:
 
 
 def moving(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether each body moves against its parent, or carries a site or a camera."""
     model = finished.model
-    used = {int(body) for body in model.site_bodyid} | set(model.cam_bodyid.tolist())
+    used_bodies = {int(body) for body in model.site_bodyid} | set(model.cam_bodyid.tolist())
     for index, name in finished.bodies:
-        if model.body_parentid[index] and not model.body_jntnum[index] and index not in used:
+        if model.body_parentid[index] and not model.body_jntnum[index] and index not in used_bodies:
             yield f"fuse {name}, which does not move against its parent: export.mjcf.fixed_joints"
 
 
 def frames(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether each frame of the robot is a site or a body."""
     if not finished.robot.frames:
         raise NotApplicable("the robot has no frames")
     model = finished.model
@@ -119,6 +127,7 @@ def frames(finished: FinishedRobot) -> Iterator[str]:
 
 
 def names(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether names are plain, colliders have names, and no body has a joint's name."""
     model = finished.model
     counts = {
         "body": model.nbody,
@@ -130,8 +139,8 @@ def names(finished: FinishedRobot) -> Iterator[str]:
     names_by_kind = {
         kind: [finished.name_of(kind, index) for index in range(number)] for kind, number in counts.items()
     }
-    for kind, of_kind in names_by_kind.items():
-        illegal_names = [name for name in of_kind if not re.fullmatch(r"[A-Za-z0-9_]+", name)]
+    for kind, names_of_kind in names_by_kind.items():
+        illegal_names = [name for name in names_of_kind if not re.fullmatch(r"[A-Za-z0-9_]+", name)]
         if illegal_names:
             examples = ", ".join(map(repr, illegal_names[:3]))
             yield f"name each {kind} in letters, digits and underscores: {examples}"
@@ -146,6 +155,7 @@ def names(finished: FinishedRobot) -> Iterator[str]:
 
 
 def pieces(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether bodies have few colliders, and colliding meshes few vertices."""
     model = finished.model
     solid = {body: pair[1] for body, pair in finished.geoms_by_body.items() if pair[1]}
     if not solid:

@@ -37,27 +37,33 @@ REWRITTEN_ARRAYS = (
 
 
 def compiles(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks that compile the files."""
     return finished.failures_of(["COMPILE"], "no check compiled the files")
 
 
 def same_mass(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks that compare masses with the source."""
     return finished.failures_of(["MASS"], "no check compared the masses with the source")
 
 
 def rests(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks that let the robot rest at `home`."""
     return finished.failures_of(["REST"], "no check let it rest at home")
 
 
 def noise(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks that simulate the robot under control noise."""
     return finished.failures_of(["NOISE", "TRIAL"], "no check simulated it")
 
 
 def contacts_at_home(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks that look for contacts at `home`."""
     codes = ["SELF-CONTACT", "START"]
     return finished.failures_of(codes, "no check looked for contacts at home")
 
 
 def collider_tolerances(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether colliders are within the tolerances of the configuration."""
     figures = finished.geometry.colliders if finished.geometry else ()
     judged = [figure for figure in figures if figure.rung != "none" and figure.tolerance is not None]
     if not judged:
@@ -70,6 +76,7 @@ def collider_tolerances(finished: FinishedRobot) -> Iterator[str]:
 
 
 def assets(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether MuJoCo reads every STL, and no two assets are equal."""
     digests: dict[str, str] = {}
     for path in sorted((finished.folder / "assets").glob("*")):
         data = path.read_bytes()
@@ -87,17 +94,20 @@ def assets(finished: FinishedRobot) -> Iterator[str]:
 
 
 def closes(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks of loops and relations."""
     if not finished.robot.loops and not finished.robot.relations:
         raise NotApplicable("the robot has no loops and no relations")
     return finished.failures_of(["LOOP", "RELATION", "CLOSED"], "no check looked at loops and relations")
 
 
 def parity(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the comparison with a second engine."""
     otherwise = f"proved elsewhere: no second engine is installed here ({install('pin')})"
     return finished.failures_of(["PARITY"], otherwise)
 
 
 def formats(finished: FinishedRobot) -> Iterator[str]:
+    """Judges by the checks of the files in other formats than MJCF."""
     files = [path for ending in ("urdf", "sdf", "usda") for path in finished.folder.glob(f"*.{ending}")]
     if not files:
         raise NotApplicable("the robot was written in one format")
@@ -110,6 +120,7 @@ def formats(finished: FinishedRobot) -> Iterator[str]:
 
 
 def round_trip(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether the model stays the same when MuJoCo writes and reads it."""
     files = {path.name: path.read_bytes() for path in (finished.folder / "assets").glob("*")}
     try:
         # C-COMPILE reports its warnings.
@@ -129,6 +140,7 @@ def round_trip(finished: FinishedRobot) -> Iterator[str]:
 
 
 def provenance(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether robot.json says where each parameter comes from, and README and LICENSE exist."""
     path = finished.folder / "robot.json"
     tree = json.loads(path.read_bytes()) if path.exists() else {}
     if not tree:

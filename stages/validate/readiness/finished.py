@@ -1,4 +1,4 @@
-"""Defines what points of sim-readiness are judged by: a robot's folder, XML and compiled model."""
+"""Defines the finished robot by which points of sim-readiness are judged: its folder, XML and model."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ class FinishedRobot:
 
     @property
     def bodies(self) -> Iterator[tuple[int, str]]:
-        """The bodies of the robot, by index and name."""
+        """The bodies of the model, with those of a scene, by index and name; without the world."""
         return ((index, self.model.body(index).name) for index in range(1, self.model.nbody))
 
     @property
@@ -121,8 +121,8 @@ PointJudge = Callable[[FinishedRobot], Iterable[str]]
 the point does not apply."""
 
 
-def has_noise(values: Any, limit: float) -> bool:
-    """Tells whether the numbers of an attribute include noise: a number that is not 0, but below `limit`
-    times the largest."""
+def has_noise(values: Any, share: float) -> bool:
+    """Tells whether the numbers of an attribute include noise: a number that is not 0, but below this share
+    of the largest."""
     sizes = np.abs(np.asarray(values))
-    return bool(((sizes > 0) & (sizes < limit * sizes.max(initial=0.0))).any())
+    return bool(((sizes > 0) & (sizes < share * sizes.max(initial=0.0))).any())

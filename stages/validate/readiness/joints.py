@@ -24,9 +24,11 @@ GROUND_DISTANCE = (-1e-6, 2e-3)
 """Range of the height [m] of a free base's lowest collider above the ground."""
 
 DOWN = np.array([[0.0, 0.0, -1.0]])
+"""The direction (1, 3) of gravity in the world."""
 
 
 def limits(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether slides have limits, and `home` is within all limits. The robot's hinges need none."""
     model, data = finished.model, finished.home
     dof_names = {dof.name for dof in finished.robot.dofs}
     for joint in finished.scalar_joints:
@@ -41,71 +43,75 @@ def limits(finished: FinishedRobot) -> Iterator[str]:
 
 
 def drives(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether driven joints have an armature, damping and a single bound of their force."""
     model = finished.model
-    joints = _driven(finished)
+    joints = _driving_actuators(finished)
     if not joints:
         raise NotApplicable("nothing is driven")
     for index, joint in joints:
         dof, name = int(model.jnt_dofadr[joint]), finished.name_of("joint", joint)
         if model.dof_armature[dof] <= 0:
             yield f"give {name} an armature: joints: {{{name}: {{armature: ...}}}}"
-        damps = model.dof_damping[dof] > 0 or model.dof_frictionloss[dof] > 0
-        if not damps and model.actuator_biasprm[index, 2] >= 0:
+        is_damped = model.dof_damping[dof] > 0 or model.dof_frictionloss[dof] > 0
+        if not is_damped and model.actuator_biasprm[index, 2] >= 0:
             yield f"nothing damps {name}: joints: {{{name}: {{damping: ...}}}}"
-        bounds = int(model.jnt_actfrclimited[joint]) + int(model.actuator_forcelimited[index])
-        if bounds == 0:
+        bound_count = int(model.jnt_actfrclimited[joint]) + int(model.actuator_forcelimited[index])
+        if bound_count == 0:
             yield f"bound the force on {name}: joints: {{{name}: {{effort: ...}}}}"
-        elif bounds == 2:
+        elif bound_count == 2:
             yield f"bound the force on {name} once, at the joint or at the actuator"
 
 
 def controls(finished: FinishedRobot) -> Iterator[str]:
-    model, joints = finished.model, _driven(finished)
+    """Judges whether as many joints are driven as move independently, and controls stay in range."""
+    model, joints = finished.model, _driving_actuators(finished)
     if not joints:
         raise NotApplicable("nothing is driven")
-    free = _free(finished)
+    free = _independent_motion_count(finished)
     # Two actuators may drive the same joint.
     driven_joints = {joint for _, joint in joints}
     if len(driven_joints) != free:
         yield f"actuators drive {count(len(driven_joints), 'joint')}, but {free} are independent: actuators"
     for index, joint in joints:
         name = finished.name_of("joint", joint)
-        servo = model.actuator_biasprm[index, 1] < 0
-        if servo and (model.actuator_gainprm[index, 0] <= 0 or model.actuator_biasprm[index, 2] >= 0):
-            damped = model.dof_damping[int(model.jnt_dofadr[joint])] > 0
-            if not damped:
+        # MuJoCo's affine bias is biasprm[0] + biasprm[1] · position + biasprm[2] · speed.
+        is_servo = model.actuator_biasprm[index, 1] < 0
+        if is_servo and (model.actuator_gainprm[index, 0] <= 0 or model.actuator_biasprm[index, 2] >= 0):
+            is_damped = model.dof_damping[int(model.jnt_dofadr[joint])] > 0
+            if not is_damped:
                 yield f"the servo of {name} has no gain, or no gain of the speed: dampratio"
         controls = controls_of(model, index)
-        if servo and model.jnt_limited[joint] and controls and model.actuator_ctrllimited[controls.start]:
+        if is_servo and model.jnt_limited[joint] and controls and model.actuator_ctrllimited[controls.start]:
             low, high = model.actuator_ctrlrange[controls.start]
             ends = model.jnt_range[joint] * model.actuator_gear[index, 0]
             if low < ends.min() - ROUNDING or high > ends.max() + ROUNDING:
                 yield f"keep the controls of {name} within its range"
 
 
-def _driven(finished: FinishedRobot) -> list[tuple[int, int]]:
+def _driving_actuators(finished: FinishedRobot) -> list[tuple[int, int]]:
     """Returns the actuators of joints with a single dof, each with its joint."""
     model = finished.model
-    of_joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    joint_transmissions = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     return [
         (index, int(model.actuator_trnid[index, 0]))
         for index in range(actuator_count(model))
-        if model.actuator_trntype[index] in of_joint
+        if model.actuator_trntype[index] in joint_transmissions
         and int(model.actuator_trnid[index, 0]) in finished.scalar_joints
     ]
 
 
-def _free(finished: FinishedRobot) -> int:
+def _independent_motion_count(finished: FinishedRobot) -> int:
     """Returns the number of independent motions, without those of a floating base: the number of dofs less
     the rank of the equalities."""
     model = finished.model
-    passive = 6 * int((model.jnt_type == FREE).sum())
+    floating_dofs = 6 * int((model.jnt_type == FREE).sum())
     jacobian, _ = jacobian_and_errors(model, mujoco.MjData(model), finished.home.qpos)
-    sizes = np.linalg.svd(jacobian, compute_uv=False) if len(jacobian) else np.zeros(0)
-    return int(model.nv - passive - (sizes > MIN_SINGULAR_VALUE).sum())
+    singular_values = np.linalg.svd(jacobian, compute_uv=False) if len(jacobian) else np.zeros(0)
+    return int(model.nv - floating_dofs - (singular_values > MIN_SINGULAR_VALUE).sum())
 
 
 def keyframe(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether a keyframe `home` exists, with unit quaternions and controls in range."""
     model = finished.model
     key = keyframe_index(model, "home")
     if key < 0:
@@ -118,13 +124,16 @@ def keyframe(finished: FinishedRobot) -> Iterator[str]:
                 yield f"normalise the quaternion of {finished.name_of('joint', joint)} at home"
     low, high = model.actuator_ctrlrange.T
     control = model.key_ctrl[key]
-    out = model.actuator_ctrllimited.astype(bool) & ((control < low - ROUNDING) | (control > high + ROUNDING))
+    is_out_of_range = model.actuator_ctrllimited.astype(bool) & (
+        (control < low - ROUNDING) | (control > high + ROUNDING)
+    )
     for index in range(actuator_count(model)):
-        if out[controls_of(model, index)].any():
+        if is_out_of_range[controls_of(model, index)].any():
             yield f"{finished.name_of('actuator', index)} has a control at home out of its range"
 
 
 def base_placement(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether the base floats as in the source, and stands on the ground at `home`."""
     model = finished.model
     free = [joint for joint in range(model.njnt) if model.jnt_type[joint] == FREE]
     if finished.robot.base.fixed:
@@ -138,7 +147,11 @@ def base_placement(finished: FinishedRobot) -> Iterator[str]:
     if ground is None:
         raise NotApplicable("there is no flat ground")
     lowest = min(
-        (_lowest(finished, body, solid) for body, (_, solid) in finished.geoms_by_body.items() if solid),
+        (
+            _lowest_height(finished, body, solid)
+            for body, (_, solid) in finished.geoms_by_body.items()
+            if solid
+        ),
         default=None,
     )
     if lowest is None:
@@ -157,7 +170,7 @@ def ground_height(model: Any) -> float | None:
     return None
 
 
-def _lowest(finished: FinishedRobot, body: int, solid: list[int]) -> float:
+def _lowest_height(finished: FinishedRobot, body: int, solid: list[int]) -> float:
     """Returns the height [m] of a body's lowest colliding point at `home`."""
     data = finished.home
     down = DOWN @ data.xmat[body].reshape(3, 3)
@@ -165,6 +178,7 @@ def _lowest(finished: FinishedRobot, body: int, solid: list[int]) -> float:
 
 
 def sensors(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether joints are measured, and IMUs and cameras are complete."""
     model = finished.model
     kinds = {int(kind) for kind in model.sensor_type}
     kind = mujoco.mjtSensor

@@ -7,7 +7,7 @@ from contextlib import suppress
 from linkwright.stages.formats.xml import Element
 from linkwright.stages.validate.readiness.finished import FinishedRobot, NotApplicable, has_noise
 
-NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
+_NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 NOISE_SHARE = 1e-12
 """Share of an attribute's largest number below which a number is noise."""
@@ -17,6 +17,7 @@ CLASS_ATTRIBUTES = ("contype", "conaffinity", "group", "density", "mass")
 
 
 def the_robot_alone(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether ground, lights and sky are in scene.xml, and not in the robot's file."""
     for element in finished.xml.iterfind("worldbody/*"):
         if element.tag == "light" or (element.tag == "geom" and element.get("type") == "plane"):
             yield f"move <{element.tag}> from {finished.path.name} to scene.xml"
@@ -33,6 +34,7 @@ def the_robot_alone(finished: FinishedRobot) -> Iterator[str]:
 
 
 def paths(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether angles are in radians, and every path leads to a file, and every asset is used."""
     compiler = finished.xml.find("compiler")
     settings = {} if compiler is None else compiler.attrib
     if settings.get("angle") != "radian":
@@ -53,7 +55,7 @@ def paths(finished: FinishedRobot) -> Iterator[str]:
         if path.suffix not in (".mtl", ".png")
     }
     with suppress(NotApplicable):
-        used |= {_below(mesh.get("filename", "")) for mesh in finished.urdf.iterfind(".//mesh")}
+        used |= {_path_in_package(mesh.get("filename", "")) for mesh in finished.urdf.iterfind(".//mesh")}
     yield from (f"nothing uses {file}" for file in sorted(existing - used))
 
 
@@ -61,11 +63,13 @@ def _meshes(xml: Element) -> list[Element]:
     return [asset for asset in xml.iterfind("asset/*[@file]") if asset.tag == "mesh"]
 
 
-def _below(path: str) -> str:
+def _path_in_package(path: str) -> str:
+    """Returns a URDF's path without the package that it may begin with."""
     return path.removeprefix("package://").partition("/")[2] if path.startswith("package://") else path
 
 
 def classes(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether geoms have classes, and leave to these what they have in common."""
     root = finished.xml.find("default/default")
     names = set() if root is None else {default.get("class") for default in root.iter("default")}
     if root is None or not root.get("class") or not {"visual", "collision"} <= names:
@@ -81,6 +85,7 @@ def classes(finished: FinishedRobot) -> Iterator[str]:
 
 
 def inertials(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether each body has an inertial, and no geom has a mass."""
     for body in finished.xml.iterfind(".//worldbody//body"):
         if body.find("inertial") is None:
             yield f"write the inertia of {body.get('name')}"
@@ -91,6 +96,7 @@ def inertials(finished: FinishedRobot) -> Iterator[str]:
 
 
 def inertia_convention(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether all inertias have the same form."""
     forms = set()
     for inertial in finished.xml.iterfind(".//worldbody//body/inertial"):
         forms |= {"diaginertia", "fullinertia"} & set(inertial.attrib)
@@ -99,6 +105,7 @@ def inertia_convention(finished: FinishedRobot) -> Iterator[str]:
 
 
 def order(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether actuators have the names of their joints, and all files the same order."""
     tree = [joint.get("name") for joint in finished.xml.iterfind(".//worldbody//joint")]
     actuators = finished.xml.iterfind("actuator/*[@joint]")
     driven = [(actuator.get("name"), actuator.get("joint")) for actuator in actuators]
@@ -117,6 +124,7 @@ def order(finished: FinishedRobot) -> Iterator[str]:
 
 
 def materials(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether geoms have materials, and no two materials have the same colour."""
     with_colour = finished.xml.iterfind("asset/material[@rgba]")
     colours = [material.get("rgba") for material in with_colour if not material.get("texture")]
     if len(colours) != len(set(colours)):
@@ -127,10 +135,11 @@ def materials(finished: FinishedRobot) -> Iterator[str]:
 
 
 def numbers(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether numbers have neither noise nor negative zeros."""
     for element in finished.xml.iter():
         for key, text in element.attrib.items():
             words = text.split()
-            if not words or not all(NUMBER.fullmatch(word) for word in words):
+            if not words or not all(_NUMBER.fullmatch(word) for word in words):
                 continue
             zero = any(word.startswith("-") and float(word) == 0 for word in words)
             if zero or (key != "qpos" and has_noise([float(word) for word in words], NOISE_SHARE)):
@@ -138,6 +147,7 @@ def numbers(finished: FinishedRobot) -> Iterator[str]:
 
 
 def option(finished: FinishedRobot) -> Iterator[str]:
+    """Judges whether the time step and an implicit integrator are stated."""
     element = finished.xml.find("option")
     settings = {} if element is None else element.attrib
     if "timestep" not in settings:

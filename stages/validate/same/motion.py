@@ -51,16 +51,19 @@ def compare_with_cad(read_robot: ReadRobot) -> Iterator[Check]:
 
 def compare_motion(read_robot: ReadRobot) -> Iterator[Check]:
     """Compares links and frames with the robot's own kinematics, at several values of the dofs."""
-    worst_error, worst_name, pairs = 0.0, "", pose_pairs(read_robot)
+    worst_error, worst_distance, worst_name, pairs = 0.0, 0.0, "", pose_pairs(read_robot)
     for pair in pairs:
-        for name, error in _pose_errors(read_robot, pair):
+        scale = _pose_scale(read_robot, pair.expected.links)
+        for name, pose_distance in _pose_distances(pair):
+            # If the precision of the format scales with the robot's size, so do the errors.
+            error = pose_distance / scale
             if error > worst_error:
-                worst_error, worst_name = error, name
+                worst_error, worst_distance, worst_name = error, pose_distance, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
     limit, findings = read_robot.precision.pose, tuple[Finding, ...]()
     if worst_error > limit:
         kind: ElementKind = "frame" if worst_name in pairs[0].actual.frames else "link"
-        message = f"is {shown(worst_error)} m or rad from where the robot has it"
+        message = f"is {shown(worst_distance)} m or rad from where the robot has it"
         findings = differences(read_robot, pairs) or (
             Finding(read_robot.element(kind, worst_name), read_robot.attribute_names.place[0], message),
         )
@@ -86,17 +89,16 @@ def pose_pairs(read_robot: ReadRobot) -> list[PosePair]:
     return pairs
 
 
-def _pose_errors(read_robot: ReadRobot, pair: PosePair) -> Iterator[tuple[str, float]]:
-    """Yields the error [m, rad] of each link and frame that the file has, by name. If the precision of the
-    format scales with the robot's size, errors are divided by it."""
-    scale = _pose_scale(read_robot, pair.expected.links)
+def _pose_distances(pair: PosePair) -> Iterator[tuple[str, float]]:
+    """Yields the distance [m, rad] of each link and frame that the file has from where the robot has it, by
+    name."""
     for actual, expected in (
         (pair.actual.links, pair.expected.links),
         (pair.actual.frames, pair.expected.frames),
     ):
         for name, pose in expected.items():
             if name in actual:
-                yield name, distance(actual[name], pose) / scale
+                yield name, distance(actual[name], pose)
 
 
 def _pose_scale(read_robot: ReadRobot, links: Mapping[str, Array]) -> float:
