@@ -100,8 +100,8 @@ CONTACTS = (
     Loss(
         {"srdf": "I-SRDF-PARTLY"},
         lambda case: _pairs(case.plan.disabled.partial_pairs),
-        "an SRDF can only exclude whole links, so these do not collide at all, although only some of their "
-        "colliders touch in every pose: {}",
+        "an SRDF can only exclude whole links, so these do not collide at all, although some of their "
+        "colliders do in the MJCF: {}",
         "the MJCF excludes single colliders",
         "; ".join,
     ),

@@ -10,23 +10,24 @@ from linkwright.stages.robot.motion.adjacency import Pair, adjacent_pairs
 
 Reason = str
 """A reason in the words of MoveIt's assistant. Adjacent: next to each other; Default: touching in every pose;
-User: the configuration says so; Never: never touching. Pairs of the source's SRDF keep their own reasons."""
+User: the configuration or an MJCF source says so; Never: never touching. Pairs of the source's SRDF keep
+their own reasons."""
 
 
 def excluded_pairs(written: Written) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
     """Returns the pairs of links of the URDF that do not collide, in order, with the reasons.
 
-    Pairs that never meet are included only if the source's SRDF has them. The second value has the pairs of
-    which only some colliders do not collide.
+    Pairs that never meet are included only if the source's SRDF has them. The second value has those of the
+    pairs of which only some colliders do not collide: an SRDF can only exclude whole links.
     """
     robot, geometry = written.robot, written.shapes
     groups = members(robot, written.as_urdf.held)
     solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
     parts = {link: [part for part, _ in held if part in solid] for link, held in groups.items()}
-    order = [link for link, link_parts in parts.items() if link_parts]
-    at = {link: number for number, link in enumerate(order)}
+    solid_links = [link for link, link_parts in parts.items() if link_parts]
+    at = {link: number for number, link in enumerate(solid_links)}
     if not geometry.self_contact:
-        joined = _joined(written.as_urdf.robot, {*order})
+        joined = _joined(written.as_urdf.robot, {*solid_links})
         return dict.fromkeys(joined, "Adjacent") | _of_source(robot, parts, at), ()
     adjacent = frozenset(adjacent_pairs(robot, solid))
     excludes = {(exclude.link_a, exclude.link_b): exclude for exclude in geometry.excludes}
@@ -36,15 +37,18 @@ def excluded_pairs(written: Written) -> tuple[dict[Pair, Reason], tuple[Pair, ..
     # Other pairs of links are unknown, and a large robot has too many to look at each.
     for pair in _near((*adjacent, *excludes), parts, at):
         robot_pairs = _pairs_of(place, parts, pair)
-        known_excludes = [excludes.get(robot_pair) for robot_pair in robot_pairs]
+        pair_excludes = [excludes.get(robot_pair) for robot_pair in robot_pairs]
         if not adjacent.isdisjoint(robot_pairs):
             reasons[pair] = "Adjacent"
-        elif any(exclude is not None and exclude.reason == "Always" for exclude in known_excludes):
+            continue
+        if any(exclude is not None and exclude.reason == "Always" for exclude in pair_excludes):
             reasons[pair] = "Default"
-            if not all(exclude is not None and not exclude.geoms for exclude in known_excludes):
-                partly.append(pair)
-        elif all(known_excludes):
+        elif all(pair_excludes):
             reasons[pair] = "User"
+        else:
+            continue
+        if not all(exclude is not None and not exclude.geoms for exclude in pair_excludes):
+            partly.append(pair)
     reasons |= _of_source(robot, parts, at)
     return {
         pair: reasons[pair] for pair in sorted(reasons, key=lambda both: (at[both[0]], at[both[1]]))
@@ -83,6 +87,7 @@ def _pairs_of(place: Mapping[str, int], parts: Mapping[str, Sequence[str]], pair
 
 
 def _places(robot: Robot) -> dict[str, int]:
+    """Returns the index of each link of a robot."""
     return {link.name: number for number, link in enumerate(robot.links)}
 
 

@@ -265,6 +265,8 @@ def losses(robot, geometry, folder):
     (linkage(), None, "I-SRDF-LOOP", "loop"),
     (arm(), {"excludes": (Exclude("base", "lower", "Always", 0.001, ((0, 0),)),)}, "I-SRDF-PARTLY",
      "base and lower"),
+    (arm(), {"excludes": (Exclude("base", "lower", "Source", 0.0, ((0, 0),)),)}, "I-SRDF-PARTLY",
+     "base and lower"),
 ])  # fmt: skip
 def test_losses_of_an_srdf_are_told_by_name(robot, changes, code, words, tmp_path):
     geometry = NO_MESHES if changes is None else replace(geometry_of(robot), **changes)
