@@ -54,7 +54,7 @@ class RobotFileSource(FileSource):
     @staticmethod
     def largest_reply(request: str) -> int:
         if request.startswith(IMAGE):
-            return png.LARGEST
+            return png.MAX_BYTES
         return MAX_TRIANGLES_BYTES if request.startswith(MESH) else MAX_TEXT_BYTES
 
     @staticmethod

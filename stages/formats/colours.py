@@ -5,18 +5,16 @@ import binascii
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from linkwright.stages.robot.model.geometry import Colour
-
-NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
-"""The colour of parts without a colour in CAD."""
+from linkwright.stages.robot.model.geometry import NEUTRAL, Colour
 
 
 def colour_of(*appearances: Any) -> Colour:
     """Returns RGBA in 0..1 of the first appearance that has a colour, or else the neutral grey.
 
-    An appearance has `color` (or `rgbaColor`): a list of numbers or of their texts, base64 of three or four
-    bytes, a packed ARGB integer or a mapping of red, green and blue; and maybe `opacity` (0..255), which
-    overrides the colour's own alpha. Unreadable colours are ignored.
+    An appearance has `color` (or `rgbaColor`): a list of three or four numbers or of their texts, base64 of
+    three or four bytes, a packed ARGB integer or its text, or a mapping of red, green and blue; and maybe
+    `opacity`, which overrides the colour's own alpha. Numbers are bytes (0..255, or signed). Unreadable
+    colours are ignored.
     """
     for appearance in appearances:
         if isinstance(appearance, Mapping):
@@ -28,14 +26,16 @@ def colour_of(*appearances: Any) -> Colour:
 
 
 def _colour(channels: Sequence[int], opacity: Any) -> Colour:
+    """Returns RGBA in 0..1 of three or four channels in 0..255."""
     red, green, blue = channels[:3]
     alpha = channels[3] if len(channels) == 4 else 255
     if isinstance(opacity, int | float) and 0 <= opacity <= 255:
         alpha = int(opacity)
-    return (_unit(red), _unit(green), _unit(blue), _unit(alpha))
+    return (_share(red), _share(green), _share(blue), _share(alpha))
 
 
-def _unit(channel: int) -> float:
+def _share(channel: int) -> float:
+    """Returns a channel in 0..1, in the digits that files have."""
     return round(channel / 255, 6)
 
 
@@ -45,16 +45,16 @@ def _channels(value: Any) -> list[int] | None:
         if isinstance(value, Mapping):
             channels = [value["red"], value["green"], value["blue"]]
         elif isinstance(value, int):
-            channels = _unpacked(value)
+            channels = _unpack_argb(value)
         elif isinstance(value, str):
-            channels = _unpacked(int(value)) if value.lstrip("-").isdigit() else list(_bytes(value))
+            channels = _unpack_argb(int(value)) if _is_whole(value) else list(_decode_base64(value))
         elif isinstance(value, list):
             channels = [_channel(item) for item in value]
         else:
             return None
         # A signed byte, as Java writes it, is the same byte.
         channels = [int(item) & 0xFF if -128 <= item < 0 else int(item) for item in channels]
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, OverflowError, TypeError, ValueError):
         return None
     if len(channels) not in (3, 4) or not all(0 <= item <= 255 for item in channels):
         return None
@@ -62,19 +62,28 @@ def _channels(value: Any) -> list[int] | None:
 
 
 def _channel(item: Any) -> int:
-    if isinstance(item, str) and not item.lstrip("-").isdigit():
-        (byte,) = _bytes(item)
+    """Returns the channel in an item of a list: a number, its text, or base64 of a byte."""
+    if isinstance(item, str) and not _is_whole(item):
+        (byte,) = _decode_base64(item)
         return byte
     return int(item)
 
 
-def _unpacked(value: int) -> list[int]:
+def _is_whole(text: str) -> bool:
+    """Tells whether a text is a whole number; such a text is never read as base64."""
+    return text.lstrip("-").isdigit()
+
+
+def _unpack_argb(value: int) -> list[int]:
+    """Returns red, green, blue and alpha of a packed ARGB integer."""
     red, green, blue = (value >> 16) & 0xFF, (value >> 8) & 0xFF, value & 0xFF
     alpha = (value >> 24) & 0xFF
+    # RGB without an alpha has 0 in its place: no part is invisible.
     return [red, green, blue, alpha or 255]
 
 
-def _bytes(text: str) -> bytes:
+def _decode_base64(text: str) -> bytes:
+    """Returns the bytes in base64, also without its padding. Raises ValueError for other texts."""
     try:
         return base64.b64decode(text + "=" * (-len(text) % 4), validate=True)
     except binascii.Error as error:

@@ -23,7 +23,6 @@ LENGTH = 0.1
 TURN = 1.0
 """Scale of angles [rad], and of the entries of vectors of unit length."""
 
-
 FORCE = 1.0
 """Scale of forces that balance [N or N m]."""
 

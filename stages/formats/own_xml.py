@@ -9,7 +9,7 @@ actuator asset compiler contact custom default deformable equality extension key
 size statistic tendon visual worldbody
 """
 
-_INSIDE = """
+_INNER = """
 accelerometer actuatorfrc actuatorpos actuatorvel adhesion attach ballangvel ballquat body bone
 camera camprojection clock composite config connect cylinder damper dcmotor distance e_kinetic
 e_potential edge elasticity element exclude fixed flag flex flexcomp flexstrain force frame
@@ -32,19 +32,19 @@ ros2_control safety_controller sensor texture transmission verbose visual
 SECTIONS = frozenset(_SECTIONS.split())
 """The elements below the root of an MJCF."""
 
-MJCF = SECTIONS | frozenset(_INSIDE.split())
+MJCF = SECTIONS | frozenset(_INNER.split())
 """Every element of an MJCF (MuJoCo's XML reference), of all versions that are supported."""
 
 URDF = frozenset(_URDF.split())
 """Elements of a URDF, and of its usual extensions, that may be at the top of an addition to it."""
 
-_MANY = ("actuator", "sensor", "tendon", "equality")
+_SHARED_NAMESPACES = ("actuator", "sensor", "tendon", "equality")
 """Sections of an MJCF whose elements have unique names, whatever their tags."""
 
 
 def language_of(elements: Iterable[Element]) -> str | None:
-    """Returns the language of elements: "mjcf" if MuJoCo knows every element, otherwise "urdf"; None for
-    neither."""
+    """Returns the language of elements: "mjcf" if MuJoCo knows them and all in them, otherwise "urdf" if a
+    URDF or an extension of it has them; None for neither. An element with a prefix counts as an extension."""
     tops = list(elements)
     if all(str(node.tag) in MJCF for element in tops for node in element.iter()):
         return "mjcf"
@@ -65,16 +65,18 @@ def name_of(element: Element) -> str | None:
 
 
 def kind_of(element: Element) -> str:
-    """Returns the kind of an element: names are unique among elements of a kind."""
+    """Returns the kind of an element, among whose elements names are unique: its section for actuators,
+    sensors, tendons and equalities, otherwise its tag; a freejoint is a joint."""
     section = section_of(element)
     above = element.getparent()
-    if section in _MANY and above is not None and above.tag == section:
+    if section in _SHARED_NAMESPACES and above is not None and above.tag == section:
         return str(section)
     return "joint" if element.tag == "freejoint" else str(element.tag)
 
 
 def section_of(element: Element) -> str:
-    """Returns the tag of the element below the root that contains an element, or is it."""
+    """Returns the tag of the element below the root that contains an element or is the element; "" for the
+    root."""
     tags = [str(node.tag) for node in (element, *element.iterancestors())]
     return tags[-2] if len(tags) > 1 else ""
 
@@ -86,5 +88,5 @@ def names(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
     """
     for node in root.iterchildren() if urdf else root.iter():
         name = name_of(node)
-        if name and node is not root and not (urdf and node.tag not in ("link", "joint")):
+        if name and node is not root and (not urdf or node.tag in ("link", "joint")):
             yield kind_of(node), name, node

@@ -13,13 +13,26 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-LARGEST = 1 << 26
+MAX_BYTES = 1 << 26
 """Largest size of an image that is read [bytes]."""
 
 MAX_PIXELS = 1 << 26
 """Largest number of pixels of an image that is used: beyond it a reader would need gigabytes."""
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
+"""The first bytes of every PNG."""
+
+_CHUNK_FRAME_BYTES = 12
+"""Bytes of a chunk besides its content: four each of the length, the type and the check sum."""
+
+_HEADER_OFFSET = 16
+"""Position of the header's content: after the signature, and the header's length and type."""
+
+_HEADER_FORMAT = ">IIBBBBB"
+"""Width, height, bit depth, type of colour, compression, filtering, interlacing."""
+
+_FILTER_UP = 2
+"""PNG's number of the filter that stores the difference from the row above."""
 
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
 """Type of colour → its bit depths."""
@@ -33,8 +46,8 @@ _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _ADAM7 = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
 """First column and row, and steps, of each of the smaller images of an interlaced image."""
 
-_MAX_PIECE = 1 << 20
-"""Largest size of an inflated piece [bytes]."""
+_MAX_INFLATED_PIECE = 1 << 20
+"""Largest size of the pieces in which pixels are inflated [bytes]."""
 
 
 def problem(data: bytes) -> str:
@@ -45,12 +58,14 @@ def problem(data: bytes) -> str:
     """
     if not data.startswith(SIGNATURE):
         return "it is not a PNG"
-    view, kinds, packed, at = memoryview(data), list[bytes](), list[memoryview](), len(SIGNATURE)
+    view = memoryview(data)
+    kinds, packed = list[bytes](), list[memoryview]()
+    at = len(SIGNATURE)
     while not kinds or kinds[-1] != b"IEND":
-        if at + 12 > len(data):
+        if at + _CHUNK_FRAME_BYTES > len(data):
             return "it is incomplete"
         length, kind = struct.unpack_from(">I4s", data, at)
-        end = at + 12 + length
+        end = at + _CHUNK_FRAME_BYTES + length
         if end > len(data):
             return "it is incomplete"
         if zlib.crc32(view[at + 4 : end - 4]) != int.from_bytes(data[end - 4 : end], "big"):
@@ -60,37 +75,41 @@ def problem(data: bytes) -> str:
         kinds.append(kind)
         packed += [view[at + 8 : end - 4]] if kind == b"IDAT" else []
         at = end
-    header = struct.unpack_from(">IIBBBBB", data, 16)
-    why = _of_header(header, b"PLTE" in kinds)
-    return why or ("" if _inflates(packed, _size(header)) else "it is damaged: its pixels are incomplete")
+    header = struct.unpack_from(_HEADER_FORMAT, data, _HEADER_OFFSET)
+    header_problem = _header_problem(header, b"PLTE" in kinds)
+    if header_problem:
+        return header_problem
+    return "" if _inflates_to(packed, _filtered_size(header)) else "it is damaged: its pixels are incomplete"
 
 
-def pixels(head: bytes) -> int:
-    """Returns the number of pixels by the first 24 bytes of a PNG; 0 for other bytes."""
+def pixel_count(head: bytes) -> int:
+    """Returns the number of pixels of a PNG from its first 24 bytes; 0 for other bytes."""
     if len(head) < 24 or not head.startswith(SIGNATURE):
         return 0
-    width, height = struct.unpack_from(">II", head, 16)
+    width, height = struct.unpack_from(">II", head, _HEADER_OFFSET)
     return int(width) * int(height)
 
 
 def encode(pixels: npt.NDArray[np.uint8]) -> bytes:
-    """Returns the file of an image (height, width, 1, 3 or 4 channels), its first row at the top.
+    """Returns the PNG of an image (height, width, channels), its first row at the top. The channels are grey,
+    RGB or RGBA.
 
-    Each row is stored as its difference from the row above (filter 2), which halves the size of photos.
+    Each row is stored as its difference from the row above, which halves the size of photos.
     """
     # Imported late: an unchanged build needs no numpy.
     import numpy as np
 
     height, width, channels = pixels.shape
-    header = struct.pack(">IIBBBBB", width, height, 8, _COLOUR_TYPES[channels], 0, 0, 0)
+    header = struct.pack(_HEADER_FORMAT, width, height, 8, _COLOUR_TYPES[channels], 0, 0, 0)
     above = np.concatenate([np.zeros_like(pixels[:1]), pixels[:-1]])
     rows = (pixels - above).reshape(height, width * channels)
-    filtered = np.concatenate([np.full((height, 1), 2, dtype=np.uint8), rows], axis=1)
+    filtered = np.concatenate([np.full((height, 1), _FILTER_UP, dtype=np.uint8), rows], axis=1)
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(filtered.tobytes(), 6)), (b"IEND", b""))
     return SIGNATURE + b"".join(_chunk(kind, content) for kind, content in chunks)
 
 
-def _of_header(header: tuple[int, ...], has_palette: bool) -> str:
+def _header_problem(header: tuple[int, ...], has_palette: bool) -> str:
+    """Returns the reason why a reader may refuse a header, or ""."""
     width, height, depth, colour, compression, filtering, interlace = header
     legal = depth in _DEPTHS.get(colour, ()) and (compression, filtering) == (0, 0) and interlace < 2
     if not legal or not width or not height or (colour == 3 and not has_palette):
@@ -100,26 +119,27 @@ def _of_header(header: tuple[int, ...], has_palette: bool) -> str:
     return ""
 
 
-def _size(header: tuple[int, ...]) -> int:
+def _filtered_size(header: tuple[int, ...]) -> int:
     """Returns the size of an image's rows [bytes], each with its filter; an interlaced image is seven smaller
     images."""
     width, height, depth, colour, _, _, interlace = header
     bits = depth * _CHANNELS[colour]
     total = 0
-    for left, top, right, down in _ADAM7 if interlace else ((0, 0, 1, 1),):
-        columns, rows = -((left - width) // right), -((top - height) // down)
+    for left, top, column_step, row_step in _ADAM7 if interlace else ((0, 0, 1, 1),):
+        # Rounded up.
+        columns, rows = -((left - width) // column_step), -((top - height) // row_step)
         total += rows * (1 + (columns * bits + 7) // 8) if columns > 0 and rows > 0 else 0
     return total
 
 
-def _inflates(packed: list[memoryview], size: int) -> bool:
+def _inflates_to(packed: list[memoryview], size: int) -> bool:
     """Tells whether the pieces of a zlib stream inflate to exactly this size [bytes]."""
     stream, inflated = zlib.decompressobj(), 0
     for piece in packed:
         remainder: bytes | memoryview = piece
         while remainder and inflated <= size:
             try:
-                inflated += len(stream.decompress(remainder, _MAX_PIECE))
+                inflated += len(stream.decompress(remainder, _MAX_INFLATED_PIECE))
             except zlib.error:
                 return False
             remainder = stream.unconsumed_tail
@@ -127,4 +147,5 @@ def _inflates(packed: list[memoryview], size: int) -> bool:
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:
+    """Returns a chunk of this type, with its length and check sum."""
     return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))

@@ -105,11 +105,11 @@ def _require_valid(record: dict[str, Any]) -> None:
 
 
 def _size(record: dict[str, Any]) -> int:
-    """Returns the size of a body's arrays [bytes] from its record in the header."""
+    """Returns the size of a body's arrays [bytes], from its record in the header."""
     triangle_bytes = TRIANGLE_BYTES + COLOUR_BYTES + (TEXCOORDS_BYTES if record.get("textures") else 0)
     return int(record["points"] * POINT_BYTES + record["triangles"] * triangle_bytes)
 
 
 def _is_channel(value: Any) -> bool:
-    """Tells whether a value can be a channel of a colour."""
+    """Tells whether a value can be a channel of a colour: a finite number."""
     return isinstance(value, int | float) and math.isfinite(value)

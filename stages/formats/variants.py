@@ -1,4 +1,4 @@
-"""`variants.npz`: randomized variants of a robot, as arrays of values for fields of MuJoCo's model."""
+"""Reads and writes `variants.npz`: randomized variants of a robot, as values of fields of MuJoCo's model."""
 
 import hashlib
 from collections.abc import Mapping
@@ -28,17 +28,17 @@ class Variants:
     """The names of the model's elements, by kind."""
 
     geom_bodyid: npt.NDArray[np.int32]
-    """The number of each geom's body, as in MuJoCo."""
+    """(geoms,): MuJoCo's number of each geom's body."""
 
     geom_in_body: npt.NDArray[np.int32]
-    """The index of each geom within its body."""
+    """(geoms,): the index of each geom within its body."""
 
     fields: Mapping[str, npt.NDArray[np.float64]]
-    """Name of a MuJoCo field → its values in all variants, (n, ...)."""
+    """Name of a field of MuJoCo's model → its values in all variants, (n, ...)."""
 
     @property
     def n(self) -> int:
-        """The number of variants."""
+        """The number of variants that all fields have values for; 0 without fields."""
         return min((len(values) for values in self.fields.values()), default=0)
 
     def to_bytes(self) -> bytes:
@@ -73,7 +73,7 @@ class Variants:
 
 
 def digest_of(mjcf: bytes) -> str:
-    """Returns the digest by which the arrays identify their MJCF."""
+    """Returns the SHA-256 (hexadecimal) of an MJCF, by which the arrays identify it."""
     return hashlib.sha256(mjcf).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Holds the robot as its files have it: writers write it, and checks compare files with it."""
+"""Defines the content of a robot's files: writers write it, and checks compare files with it."""
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -27,7 +27,8 @@ from linkwright.stages.robot.motion.start_pose import starting_point
 
 NO_SHAPES = Geometry((), {})
 
-_OF_EARLIER_STAGES = ("robot", "geometry")
+_FIELDS_OF_EARLIER_STAGES = ("robot", "geometry")
+"""The fields of `Written` that are not encoded, as earlier stages keep them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +69,7 @@ class Written:
 
     @cached_property
     def start(self) -> Configuration:
-        """Returns the value of every dof in a fresh simulation (qpos0)."""
+        """The value of every dof in a fresh simulation (qpos0)."""
         return starting_point(self.robot)
 
     @cached_property
@@ -95,7 +96,7 @@ class Written:
 
     @cached_property
     def mjcf_shapes(self) -> Geometry:
-        """Returns the shapes by the links that have bodies in the MJCF."""
+        """The shapes, each on the link that has its body in the MJCF."""
         return fused_geometry(self.robot, self.shapes, self.as_mjcf.held)
 
     @property
@@ -105,14 +106,14 @@ class Written:
 
 
 def encode(written: Written) -> bytes:
-    """Encodes, as JSON, the values that the export adds to the robot and its geometry, which earlier stages
-    keep."""
-    names = [entry.name for entry in fields(Written) if entry.name not in _OF_EARLIER_STAGES]
+    """Returns as JSON the values that the export adds to the robot and its geometry."""
+    names = [entry.name for entry in fields(Written) if entry.name not in _FIELDS_OF_EARLIER_STAGES]
     return codec.dump({name: getattr(written, name) for name in names})
 
 
 def decode(data: bytes, robot: Robot, geometry: Geometry) -> Written:
-    """Returns the value from the output of `encode`, `robot`, as the graph stage made it, and `geometry`."""
+    """Returns the content of the files from the output of `encode`, the robot of the graph stage, and the
+    geometry of the mesh stage."""
     field_types, table = codec.field_types_of(Written), orjson.loads(data)
     added: dict[str, Any] = {name: codec.typed(field_types[name], value) for name, value in table.items()}
     return Written(with_actuation(robot, added["actuation"]), geometry=geometry, **added)

@@ -163,7 +163,7 @@ class _Files:
     def _texture(self, name: str) -> Texture:
         if name not in self._textures:
             place = self._place(name)
-            content = place.why if place.file is None else _bytes(place.file, png.LARGEST)
+            content = place.why if place.file is None else _bytes(place.file, png.MAX_BYTES)
             self._textures[name] = read_texture = texture(name, content)
             self._image_bytes.setdefault(read_texture.digest, read_texture.image)
         return self._textures[name]

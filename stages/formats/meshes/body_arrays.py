@@ -80,7 +80,8 @@ def encode(bodies: Sequence[Body]) -> bytes:
 def decode(data: bytes, ids: Collection[str] | None = None) -> dict[str, Body]:
     """Returns the bodies by id; with `ids`, only those.
 
-    Raises ProtocolError if `data` is not the compact form. Of two bodies with the same id the first counts.
+    Raises ProtocolError if `data` is not the compact form, or a triangle refers to a missing point or colour.
+    Of two bodies with the same id the first counts.
     """
     bodies: dict[str, Body] = {}
     records, start = read_header(data)
@@ -112,7 +113,7 @@ def distinct(points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], 
 
     −0 counts as 0.
     """
-    # NumPy takes rows much slower than columns.
+    # NumPy sorts and compares rows much slower than columns.
     x, y, z = np.ascontiguousarray(points.T)
     order = np.lexsort((z, y, x))
     is_new = np.zeros(len(points), dtype=bool)
@@ -150,30 +151,36 @@ def merged(
     palette = sorted({paints[paint] for paint in np.unique(which)})
     rank = {paint: place for place, paint in enumerate(palette)}
     ranks = np.array([rank.get(paint, 0) for paint in paints], dtype=np.uint16)
-    textured = np.array([bool(texture) for _, texture in palette])[ranks[which]]
+    is_textured = np.array([bool(texture) for _, texture in palette])[ranks[which]]
     return Body(
         id=name,
         points=points,
         triangles=index.astype(np.int32)[corners],
         palette=tuple(colour for colour, _ in palette),
         colours=ranks[which],
-        textures=tuple(texture for _, texture in palette) if textured.any() else (),
-        texcoords=_only(texcoords, textured) if texcoords is not None and textured.any() else None,
+        textures=tuple(texture for _, texture in palette) if is_textured.any() else (),
+        texcoords=_textured_only(texcoords, is_textured)
+        if texcoords is not None and is_textured.any()
+        else None,
     )
 
 
-def _only(texcoords: npt.NDArray[np.float32], textured: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
-    """Returns texture coordinates that are 0 on triangles without a texture; −0 becomes 0."""
-    return np.where(textured[:, None, None], texcoords, np.float32(0)).astype(np.float32) + np.float32(0)
+def _textured_only(
+    texcoords: npt.NDArray[np.float32], is_textured: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.float32]:
+    """Returns texture coordinates (m, 3, 2) that are 0 on triangles without a texture; −0 becomes 0."""
+    return np.where(is_textured[:, None, None], texcoords, np.float32(0)).astype(np.float32) + np.float32(0)
 
 
 def _require_within(body: Body) -> None:
-    """Raises ProtocolError if a triangle refers to a missing point or colour."""
+    """Raises ProtocolError if a triangle refers to a missing point or colour, or a number is not finite."""
     if not len(body.triangles):
         return
     within = body.triangles.min() >= 0 and body.triangles.max() < len(body.points)
-    numbers = (body.points, np.zeros(0) if body.texcoords is None else body.texcoords)
-    finite = all(bool(np.isfinite(values).all()) for values in numbers)
-    if not within or body.colours.max() >= len(body.palette) or not finite:
+    if not within or body.colours.max() >= len(body.palette):
         msg = "a triangle has a corner or a colour that is not there"
+        raise ProtocolError(msg, f"part {body.id}", REFRESH_HINT)
+    numbers = (body.points, np.zeros(0) if body.texcoords is None else body.texcoords)
+    if not all(bool(np.isfinite(values).all()) for values in numbers):
+        msg = "a coordinate is not a finite number"
         raise ProtocolError(msg, f"part {body.id}", REFRESH_HINT)

@@ -22,30 +22,34 @@ def corner_normals(surface: Surface) -> tuple[Indices, Numbers]:
     Across a smooth edge both triangles share their normals: the normal is the mean, weighted by area, of all
     triangles around the point that smooth edges connect.
     """
-    areas = surface.normals()
-    flat = unit_vectors(areas)
-    first, second = _joined_corners(surface.triangles, len(surface.vertices), flat)
-    which = components(surface.triangles.size, first, second)
-    face = np.arange(surface.triangles.size) // 3
-    total = [np.bincount(which, areas[face, axis]).astype(np.float64) for axis in range(3)]
-    return which.reshape(-1, 3), unit_vectors(np.stack(total, axis=1))
+    # The length of each is twice the area of its triangle, so that their sums are weighted by area.
+    area_normals = surface.normals()
+    first, second = _joined_corners(surface.triangles, len(surface.vertices), unit_vectors(area_normals))
+    normal_of_corner = components(surface.triangles.size, first, second)
+    triangle_of_corner = np.arange(surface.triangles.size) // 3
+    sums = [
+        np.bincount(normal_of_corner, area_normals[triangle_of_corner, axis]).astype(np.float64)
+        for axis in range(3)
+    ]
+    return normal_of_corner.reshape(-1, 3), unit_vectors(np.stack(sums, axis=1))
 
 
-def _joined_corners(triangles: Indices, count: int, flat: Numbers) -> tuple[Indices, Indices]:
+def _joined_corners(triangles: Indices, point_count: int, face_normals: Numbers) -> tuple[Indices, Indices]:
     """Returns the pairs of corners (counted through all triangles) on either side of the smooth edges.
 
-    `count`: the number of points; `flat` (m, 3): the unit normals of the triangles.
+    `face_normals` (m, 3): the unit normals of the triangles.
     """
     corner = np.arange(triangles.size)
     following = corner.reshape(-1, 3)[:, (1, 2, 0)].ravel()
     starts, ends = triangles.ravel(), triangles[:, (1, 2, 0)].ravel()
-    up = starts < ends
-    low, high = np.where(up, corner, following), np.where(up, following, corner)
-    edges = np.where(up, starts * count + ends, ends * count + starts)
+    # Each edge as a number, the same for both directions, and its corners at the lower and the higher point.
+    rises = starts < ends
+    low, high = np.where(rises, corner, following), np.where(rises, following, corner)
+    edges = np.where(rises, starts * point_count + ends, ends * point_count + starts)
     order = np.argsort(edges, kind="stable")
     same_edge = edges[order[1:]] == edges[order[:-1]]
     a, b = order[:-1][same_edge], order[1:][same_edge]
-    x, y, z = (flat[a // 3] * flat[b // 3]).T
+    x, y, z = (face_normals[a // 3] * face_normals[b // 3]).T
     smooth = x + y + z > CREASE
     a, b = a[smooth], b[smooth]
     return np.concatenate([low[a], high[a]]), np.concatenate([low[b], high[b]])

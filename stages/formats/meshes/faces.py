@@ -34,7 +34,8 @@ def mesh_corners(file: str, data: bytes) -> tuple[npt.NDArray[np.float64], npt.N
 
 
 def mesh_faces(file: str, data: bytes) -> MeshFaces:
-    """Returns the surface of a file of ours; equal points of an STL are merged."""
+    """Returns the surface of a file of ours; equal points of an STL are merged. In an OBJ every corner has
+    texture coordinates, or none has."""
     if file.endswith(".stl"):
         points, index = distinct(mesh_points(file, data))
         return MeshFaces(points, index.reshape(-1, 3))
@@ -44,8 +45,8 @@ def mesh_faces(file: str, data: bytes) -> MeshFaces:
     pairs = np.array([words[1:] for words in lines if words[:1] == ["vt"]], dtype=np.float64).reshape(-1, 2)
     texcoords = None
     if len(pairs):
-        places = np.array([int(corner[1]) - 1 for corner in corners], dtype=np.int64)
-        texcoords = pairs[places].reshape(-1, 3, 2)
+        pair_of_corner = np.array([int(corner[1]) - 1 for corner in corners], dtype=np.int64)
+        texcoords = pairs[pair_of_corner].reshape(-1, 3, 2)
     return MeshFaces(mesh_points(file, data), triangles, texcoords)
 
 

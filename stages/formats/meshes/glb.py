@@ -15,7 +15,7 @@ import orjson
 
 from linkwright.stages.formats.meshes import gltf
 from linkwright.stages.formats.meshes.corner_normals import corner_normals
-from linkwright.stages.formats.meshes.gltf_conventions import GENERATOR, linear
+from linkwright.stages.formats.meshes.gltf_conventions import GENERATOR, linear_from_srgb
 from linkwright.stages.formats.meshes.surface import Surface
 from linkwright.stages.robot.model.geometry import Colour
 
@@ -165,7 +165,7 @@ class _GlbFile:
         """Returns the index of a piece's material, which is added if no earlier piece has the same."""
         *rgb, alpha = piece.colour
         appearance: dict[str, Any] = {
-            "baseColorFactor": [*map(linear, rgb), alpha],
+            "baseColorFactor": [*map(linear_from_srgb, rgb), alpha],
             "metallicFactor": METALLIC,
             "roughnessFactor": ROUGHNESS,
         }

@@ -14,16 +14,18 @@ from linkwright.stages.formats.damaged import Damaged
 from linkwright.stages.formats.meshes.gltf import (
     MAX_STRIDE,
     MAX_VALUES,
+    NUMBERS_OF_PRIMITIVE,
     chunks,
     natural,
     number_budget,
     value_count,
 )
 
-_SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+_COMPONENT_SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+"""glTF's code of a type of numbers → its size [bytes]."""
+
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_PRIMITIVE = 256
-"""The count of a primitive besides its numbers, as in `gltf`."""
+"""glTF's type of an element → the number of its numbers."""
 
 _Record = Mapping[str, Any]
 
@@ -31,7 +33,7 @@ _Record = Mapping[str, Any]
 def check_claims(data: bytes, companions: Mapping[str, bytes]) -> None:
     """Raises Damaged, or another error for an unknown structure, if a file claims more than it contains.
 
-    `companions`: the files that it names, as it names them.
+    `companions`: the content of the files that it names, by their URIs.
     """
     text, chunk = chunks(data)
     if value_count(text) > MAX_VALUES:
@@ -62,21 +64,23 @@ def _length(record: _Record, chunk: int, companions: Mapping[str, bytes]) -> int
 
 
 def _require_within(index: int, accessor: _Record, views: Sequence[_Record], size: int) -> None:
+    """Raises Damaged if an accessor reaches beyond its view, or has more zeros than a file of this size
+    [bytes]."""
     count = natural(accessor, "count")
-    each = _SIZES[accessor["componentType"]] * _WIDTHS[accessor["type"]]
+    element_size = _COMPONENT_SIZES[accessor["componentType"]] * _WIDTHS[accessor["type"]]
     if "bufferView" not in accessor:
         # All zeros, except the values that an extension or a list of exceptions gives.
-        start, end, length = 0, count * each, size
+        end, length = count * element_size, size
     else:
         view = views[natural(accessor, "bufferView")]
-        stride = natural(view, "byteStride", 0) or each
-        if not each <= stride <= MAX_STRIDE:
+        stride = natural(view, "byteStride", 0) or element_size
+        if not element_size <= stride <= MAX_STRIDE:
             msg = f"accessor {index} has a stride of {stride} bytes"
             raise Damaged(msg)
         start, length = natural(accessor, "byteOffset", 0), natural(view, "byteLength")
-        end = start + ((count - 1) * stride + each if count else 0)
+        end = start + ((count - 1) * stride + element_size if count else 0)
     if end > length:
-        msg = f"accessor {index} has {count} of {each} bytes, which are not there"
+        msg = f"accessor {index} has {count} elements of {element_size} bytes, which are not there"
         raise Damaged(msg)
 
 
@@ -90,14 +94,15 @@ def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
 
 
 def _require_few(
-    nodes: Sequence[_Record], meshes: Sequence[_Record], accessors: Sequence[_Record], most: int
+    nodes: Sequence[_Record], meshes: Sequence[_Record], accessors: Sequence[_Record], budget: int
 ) -> None:
-    """Raises Damaged if the meshes of all nodes have more numbers than `most`."""
+    """Raises Damaged if the meshes have more numbers than twice the `budget`: each mesh once, and again for
+    each node that has it."""
     sizes = [
         sum(_numbers(primitive, accessors) for primitive in mesh.get("primitives") or ()) for mesh in meshes
     ]
     total = sum(sizes) + sum(sizes[natural(node, "mesh")] for node in nodes if "mesh" in node)
-    if total > 2 * most:
+    if total > 2 * budget:
         msg = "its meshes are used too often"
         raise Damaged(msg)
 
@@ -109,4 +114,4 @@ def _numbers(primitive: _Record, accessors: Sequence[_Record]) -> int:
         *([primitive["indices"]] if "indices" in primitive else []),
     ]
     records = [accessors[accessor] for accessor in used_accessors]
-    return _PRIMITIVE + sum(int(record["count"]) * _WIDTHS[record["type"]] for record in records)
+    return NUMBERS_OF_PRIMITIVE + sum(int(record["count"]) * _WIDTHS[record["type"]] for record in records)

@@ -16,14 +16,14 @@ def is_own(root: Mapping[str, Any]) -> bool:
     return isinstance(asset, Mapping) and asset.get("generator") == GENERATOR
 
 
-def shown(linear: float) -> float:
-    """Converts a channel in linear light to a channel as screens show it (sRGB)."""
+def srgb_from_linear(linear: float) -> float:
+    """Converts a channel in linear light to sRGB, as screens show it; values outside of 0..1 are clamped."""
     value = min(max(float(linear), 0.0), 1.0)
     return round(12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055, 6)
 
 
-def linear(shown: float) -> float:
-    """Converts a channel as screens show it (sRGB) to a channel in linear light."""
-    value = shown / 12.92 if shown <= 0.04045 else ((shown + 0.055) / 1.055) ** 2.4
+def linear_from_srgb(srgb: float) -> float:
+    """Converts a channel in sRGB, as screens show it, to linear light."""
+    value = srgb / 12.92 if srgb <= 0.04045 else ((srgb + 0.055) / 1.055) ** 2.4
     # Powers differ in their last digit from one machine to the next.
     return float(round(value, 9))

@@ -10,8 +10,8 @@ class MjcfForm:
     """The choices that decide how a robot is written as an MJCF."""
 
     fused: tuple[str, ...] = ()
-    """The links without a body of their own. Each is a site of its name on the body above it, which has its
-    mass, its shapes and everything else on it."""
+    """The links without a body of their own. Each is a site of its name on the body above it; its mass, its
+    shapes and everything else on it belong to that body."""
 
     extras: MjcfExtras | None = None
     """The content of an MJCF source that no other format has."""

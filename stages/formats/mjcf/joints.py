@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from linkwright.stages.formats.xml import Element
 
 JOINTS = ("joint", "freejoint")
+"""The tags of joints."""
 
 TYPES = ("hinge", "slide", "ball", "free")
+"""The types of joints."""
 
 HINGE = "hinge"
 """The type of a joint without a `type`."""

@@ -13,25 +13,25 @@ from linkwright.stages.robot.model.sensing import SensorTarget
 
 
 def mjcf_form(robot: Robot, kept_links: Collection[str] = (), merges: bool = False) -> MjcfForm:
-    """Returns the form in which links on fixed joints have no bodies, except those that are `kept` or need a
-    body.
+    """Returns the form in which links on fixed joints have no bodies, except `kept_links` and those that need
+    a body.
 
     A link needs a body if a sensor is on it, another frame has its name, or both ends of a loop would be on
-    the same body. The bodies of an MJCF source stay bodies, unless the form `merges` those that nothing
-    names.
+    the same body. The bodies of an MJCF source stay bodies; with `merges`, only those that an element names
+    or that have attributes of their own.
     """
     bodies = {*kept_links, *_measured(robot, "body", "xbody"), *_loaded(robot), *_named_twice(robot)}
     if robot.mjcf is not None:
         bodies |= _named_bodies(robot.mjcf)
         bodies |= set() if merges else {body.link for body in robot.mjcf.bodies}
     candidates = set(links_on_fixed_joints(robot)) - bodies
-    # Their sensors are at the centre of mass, which fused links would move; their excludes are of their own
-    # shapes.
-    kept_alone = {*_measured(robot, "body"), *_excluded(robot.mjcf or NO_EXTRAS)}
+    # Nothing is fused with these: sensors at their centre of mass would move with it, and excludes hold for
+    # their own shapes only.
+    unfused_holders = {*_measured(robot, "body"), *_excluded(robot.mjcf or NO_EXTRAS)}
     holder = {robot.root.name: robot.root.name}
     for joint in robot.joints:
         above = holder[joint.parent]
-        fuses = joint.child in candidates and above not in kept_alone
+        fuses = joint.child in candidates and above not in unfused_holders
         holder[joint.child] = above if fuses else joint.child
     ends = {
         end
@@ -39,8 +39,8 @@ def mjcf_form(robot: Robot, kept_links: Collection[str] = (), merges: bool = Fal
         if holder[loop.link_a] == holder[loop.link_b]
         for end in (loop.link_a, loop.link_b)
     }
-    fused = (link for link, above in holder.items() if link != above and link not in ends)
-    return MjcfForm(tuple(fused), robot.mjcf)
+    fused_links = (link for link, above in holder.items() if link != above and link not in ends)
+    return MjcfForm(tuple(fused_links), robot.mjcf)
 
 
 def mjcf_robot(robot: Robot, form: MjcfForm, held: Holders) -> Robot:
@@ -67,7 +67,7 @@ def _excluded(extras: MjcfExtras) -> Iterator[str]:
 
 
 def _named_bodies(extras: MjcfExtras) -> set[str]:
-    """Returns the links that an element names, or whose body has attributes of its own."""
+    """Returns the links whose bodies an element of the source names, or have attributes of their own."""
     sections = (*extras.sections, *extras.scene)
     body_names = {name for section in sections for kind, name in section.named() if kind == "body"}
     return body_names | {entry.name for entry in extras.attributes if entry.kind == "body"}
@@ -93,7 +93,8 @@ def _loaded(robot: Robot) -> Iterator[str]:
 
 
 def _named_twice(robot: Robot) -> Iterator[str]:
-    """Yields the names of frames, except those at the pose of the link of the same name."""
+    """Yields the names of frames that are not at the pose of a link of the same name: no site of a fused link
+    may take them."""
     for frame in robot.frames:
         if frame.link != frame.name or not np.array_equal(frame.link_from_frame, np.eye(4)):
             yield frame.name

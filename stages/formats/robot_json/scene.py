@@ -1,4 +1,4 @@
-"""Defines the scene, the keyframes and the SRDF of a robot.json."""
+"""Defines the scene and the keyframes of a robot.json."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -8,11 +8,12 @@ from linkwright.stages.robot.model.robot import Array
 
 
 class SdfError(ValueError):
-    """The error that a text is not an SDF that is read here."""
+    """The error that a text is not an SDF of the kind that is read here."""
 
 
 def pose_of(node: Element | None) -> Array:
-    """Returns the pose (4, 4) in an element; the identity without an element."""
+    """Returns the pose (4, 4) in an element; the identity without an element. Raises SdfError for other
+    attributes than `relative_to`, and for other texts than x, y, z, roll, pitch and yaw."""
     if node is None:
         return np.eye(4)
     if set(node.attrib) - {"relative_to"}:
@@ -30,7 +31,7 @@ def required_element(above: Element, path: str) -> Element:
 
 
 def numbers(node: Element, count: int) -> list[float]:
-    """Returns the numbers of an element, `count` of them. Raises SdfError for any other text."""
+    """Returns the `count` finite numbers of an element. Raises SdfError for any other text."""
     try:
         values = [float(text) for text in (node.text or "").split()]
     except ValueError:
@@ -41,18 +42,19 @@ def numbers(node: Element, count: int) -> list[float]:
 
 
 def number(above: Element, path: str) -> float:
-    """Returns the number that an element must have."""
+    """Returns the number in an element that must be there. Raises SdfError without it."""
     return numbers(required_element(above, path), 1)[0]
 
 
 def bound(above: Element, path: str) -> float | None:
-    """Returns the number that an element may have, or None."""
+    """Returns the number in an element that may be missing; None without it. Raises SdfError if it is not a
+    number."""
     return None if above.find(path) is None else number(above, path)
 
 
 def truth(above: Element, path: str, unless: bool) -> bool:
-    """Tells whether an element says yes; `unless`: the value without the element. Raises SdfError for other
-    words."""
+    """Returns the truth value in an element; `unless`: the value without the element. Raises SdfError for
+    words other than true, 1, false and 0."""
     node = above.find(path)
     if node is None:
         return unless

@@ -47,14 +47,14 @@ class SdfShape:
     """The coefficients `mu` and `mu2` of a collision; None if the file has none."""
 
     mask: int | None
-    """The bits of a collision, of which it shares a bit with the shapes that it collides with; None if the
-    file has none."""
+    """The bits of a collision: it collides with the shapes that share a bit with it. None if the file has
+    none."""
 
     pushed: bool
     """Whether contacts push a collision."""
 
     texture: str = ""
-    """"", since images come with meshes."""
+    """Always "": images come with the meshes."""
 
 
 def shapes_of(link: Element, role: str, link_from: Callable[[str], Array]) -> tuple[SdfShape, ...]:
@@ -70,8 +70,7 @@ def _shape(node: Element, link_from: Callable[[str], Array]) -> SdfShape:
     pose = node.find("pose")
     above = pose.get("relative_to") if pose is not None else None
     place = (link_from(above) if above else np.eye(4)) @ pose_of(pose)
-    held = [child for child in required_element(node, "geometry") if isinstance(child.tag, str)]
-    geometry = held[0] if held else None
+    geometry = next(iter(required_element(node, "geometry")), None)
     kind = "" if geometry is None else tag(geometry)
     size: list[float] = []
     filename, scale = "", [1.0, 1.0, 1.0]

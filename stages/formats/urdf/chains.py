@@ -19,14 +19,13 @@ class UrdfStep:
 
     @property
     def moves(self) -> bool:
-        """Whether it has a value in a group: no group has a value of a free joint."""
+        """Whether an SRDF's group has a value of the joint: none has a value of a free joint."""
         return self.dof is not None and self.dof.kind != "free"
 
     @property
     def limits(self) -> Limits:
-        """The limits of its value; a ball's turns have none."""
-        is_scalar = self.dof is not None and self.dof.kind in ("turn", "slide")
-        return self.dof.limits if is_scalar and self.dof is not None else Limits()
+        """The limits of the joint's value; a ball's turns have none."""
+        return self.dof.limits if self.dof is not None and self.dof.kind in ("turn", "slide") else Limits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +68,8 @@ class UrdfChains:
         return steps[::-1]
 
     def base_of(self, tip: str) -> str:
-        """Returns the beginning of the chain to a link: the root, or the free link above it."""
+        """Returns the link where the chain to a link begins: the nearest link above that floats, or the root.
+        A floating link is its own beginning."""
         for step in self.up(tip):
             if step.dof is not None and step.dof.kind == "free":
                 return step.child
@@ -83,6 +83,8 @@ def chains_of(written: Robot) -> UrdfChains:
 
 
 def _steps(written: Robot) -> Iterator[UrdfStep]:
+    """Yields the joints: those of the robot's joints, parents first, then those that hold frames and ends of
+    loops."""
     names = urdf_names(written)
     for joint in written.joints:
         named_dofs: list[tuple[str, Dof | None]] = [(joint.name, None)] if not joint.dofs else []

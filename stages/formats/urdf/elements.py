@@ -23,7 +23,7 @@ def child(element: Element, name: str, log: FileDiagnostics) -> Element | None:
 def number(
     element: Element, name: str, log: FileDiagnostics, default: float | None = None, *, infinite: bool = False
 ) -> float | None:
-    """Returns a number in an attribute; `default` if it is missing or invalid (reports E-URDF-NUMBER).
+    """Returns a number in an attribute; `default` if it is missing, or invalid (reports E-URDF-NUMBER).
 
     `infinite`: whether it may be infinite.
     """
@@ -44,7 +44,7 @@ def numbers(
     good = [
         value
         for value in values
-        if value is not None and (math.isfinite(value) or (infinite and value == value))
+        if value is not None and (math.isfinite(value) or (infinite and not math.isnan(value)))
     ]
     if len(good) == count == len(values):
         return tuple(good)

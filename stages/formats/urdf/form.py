@@ -1,4 +1,4 @@
-"""How a robot's URDF differs from the robot, as a value that writers and checks share."""
+"""Defines how a robot's URDF differs from the robot, as a value that writers and checks share."""
 
 from dataclasses import dataclass
 

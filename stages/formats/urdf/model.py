@@ -1,4 +1,4 @@
-"""URDF values, exactly as in the file.
+"""Defines the values of a URDF, exactly as in the file.
 
 Poses are (4, 4) float64 transforms, named by their frames; SI units, radians. A link's frame is the
 URDF's own. `stages.formats.urdf.parse` reads a file into these values.
@@ -93,13 +93,13 @@ class UrdfJoint:
     """The file's value [rad/s or m/s], even 0; None if it has none."""
 
     damping: float | None
-    """The file's value; None if it has none."""
+    """The file's value [N m s/rad or N s/m]; None if it has none."""
 
     friction: float | None
     """The file's value [N m or N]; None if it has none."""
 
     armature: float | None
-    """The rotor's inertia, reflected at the joint; None if the file has none."""
+    """The rotor's inertia, reflected at the joint [kg m² or kg]; None if the file has none."""
 
     mimic: UrdfMimic | None
     line: int

@@ -36,7 +36,7 @@ _DEFAULT_AXIS = (1.0, 0.0, 0.0)
 """The axis of a joint without an <axis>."""
 
 _MAX_ELEMENTS = 100_000
-"""Largest number of elements of a URDF."""
+"""Largest number of elements directly below the root of a URDF."""
 
 
 def parse(text: bytes, where: str) -> Urdf:
@@ -93,6 +93,7 @@ def _leave_settings(element: Element, log: FileDiagnostics) -> None:
 
 
 def _robot(text: bytes, where: str) -> Element:
+    """Returns the root element of a URDF. Raises SourceError for other texts and for too many elements."""
     try:
         root = xml.parse(text)
     except xml.Malformed as error:
@@ -154,7 +155,8 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _required(element: Element | None, name: str, log: FileDiagnostics) -> float:
-    """Returns the number in an attribute that must be there; 0 if it is missing (reports E-URDF-NUMBER)."""
+    """Returns the number in an attribute that must be there; 0 if it is missing (reports E-URDF-NUMBER), and
+    for a missing element, which is reported already."""
     if element is None:
         return 0.0
     if not element.get(name, "").strip():
@@ -207,6 +209,7 @@ _ARMATURES = ("rotorInertia", "rotor_inertia", "armature")
 
 
 def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
+    """Returns the link that is a joint's parent or child; "" without it (reports E-URDF-JOINT)."""
     end = child(element, role, log)
     link: str = "" if end is None else end.get("link", "")
     if end is not None:
@@ -219,6 +222,8 @@ def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
 
 
 def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
+    """Returns the unit vector (3,) of a joint's axis; x if it is missing or has no direction (reports
+    E-URDF-AXIS if the type has an axis)."""
     axis = child(element, "axis", log)
     direction = None
     if axis is not None:
@@ -260,16 +265,18 @@ def _limit(
 
 
 def _bound(value: float) -> float | None:
+    # + 0.0 makes −0 a 0.
     return value + 0.0 if np.isfinite(value) else None
 
 
 def _size(element: Element, name: str, log: FileDiagnostics) -> float | None:
-    """Returns a largest effort or velocity, without its sign; None if it is missing."""
+    """Returns a largest effort or velocity, without its sign; None if it is missing or infinite."""
     value = number(element, name, log, infinite=True)
     return None if value is None else _bound(abs(value))
 
 
 def _resistance(element: Element | None, name: str, log: FileDiagnostics) -> float | None:
+    """Returns a number in a <dynamics>; None if it is missing or negative (reports E-URDF-NUMBER)."""
     value = None if element is None else number(element, name, log)
     if value is not None and value < 0:
         log.report("E-URDF-NUMBER", element, f'<dynamics {name}="{value:g}">: must not be negative')
@@ -278,6 +285,7 @@ def _resistance(element: Element | None, name: str, log: FileDiagnostics) -> flo
 
 
 def _mimic(element: Element, log: FileDiagnostics) -> UrdfMimic | None:
+    """Returns a joint's <mimic>; None without it, or if it names no joint (reports E-URDF-MIMIC)."""
     mimic = child(element, "mimic", log)
     if mimic is None:
         return None

@@ -219,7 +219,7 @@ def _pixel_count(path: Path) -> int:
     """Returns the number of pixels of an image, from its header; 0 if the file is not a PNG."""
     try:
         with path.open("rb") as file:
-            return png.pixels(file.read(24))
+            return png.pixel_count(file.read(24))
     except OSError:
         return 0
 

@@ -145,7 +145,7 @@ def test_an_image_with_options_or_without_use_is_left_out(tmp_path, monkeypatch)
         ({"cube.obj": plain}, "the mesh has no texture coordinates"),
         ({}, f"it has {len(image())} bytes, more than is read"),
     ):
-        monkeypatch.setattr(png, "LARGEST", png.LARGEST if files else 50)
+        monkeypatch.setattr(png, "MAX_BYTES", png.MAX_BYTES if files else 50)
         bundle, reports = gathered(tmp_path, **{"four.png": image()} | files)
         assert words in reports[0].message
         assert images(bundle) == {}

@@ -1,6 +1,7 @@
 """Triangles out of replies: both envelopes, both forms of facets, colours, welding."""
 
 import json
+import math
 from base64 import b64encode
 
 import numpy as np
@@ -9,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.stages.fetch.onshape.triangles import faces as reply_triangles
-from linkwright.stages.formats.colours import NEUTRAL, colour_of
+from linkwright.stages.formats.colours import colour_of
 from linkwright.stages.mesh import part_mesh
 from linkwright.stages.robot.errors import ProtocolError
+from linkwright.stages.robot.model.geometry import NEUTRAL
 from tests.fake_onshape import outlines, solids
 from tests.support.recorded import DATA, needs_data
 
@@ -185,6 +187,7 @@ def base64(*channels):
         ({"color": [255, 0, 51]}, (1, 0, 0.2, 1)),
         ({"color": ["255", "0", "51"], "opacity": 0}, (1, 0, 0.2, 0)),
         ({"color": [-1, 0, 51], "opacity": 255}, (1, 0, 0.2, 1)),
+        ({"color": [math.inf, 0, 51]}, NEUTRAL),
         ({"color": base64(255, 0, 51)}, (1, 0, 0.2, 1)),
         ({"color": base64(255, 0, 51, 102)}, (1, 0, 0.2, 0.4)),
         ({"color": base64(255, 0, 51, 102), "opacity": 204}, (1, 0, 0.2, 0.8)),

@@ -63,7 +63,7 @@ def _images(
     contents: dict[str, bytes | str] = {}
     size = 0
     for name in islice(names, _MAX_IMAGES):
-        limit = min(png.LARGEST, _LARGEST_IMAGES - size)
+        limit = min(png.MAX_BYTES, _LARGEST_IMAGES - size)
         reads = [_content(allowed_folders, folder, name, limit) for folder in folders]
         contents[name] = next((content for content in reads if isinstance(content, bytes)), reads[0])
         size += len(contents[name])

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from linkwright.stages.formats.damaged import Damaged
-from linkwright.stages.formats.meshes.gltf_conventions import is_own, shown
+from linkwright.stages.formats.meshes.gltf_conventions import is_own, srgb_from_linear
 
 MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)
 """The errors that an unknown structure or invalid base64 causes."""
@@ -83,7 +83,7 @@ def prepare(
             material_colour.setdefault("baseColorFactor", _WHITE)
         if "baseColorFactor" in material_colour:
             *rgb, alpha = material_colour["baseColorFactor"]
-            material_colour["baseColorFactor"] = [*map(shown, rgb), alpha]
+            material_colour["baseColorFactor"] = [*map(srgb_from_linear, rgb), alpha]
     for mesh in tree.get("meshes") or ():
         for primitive in mesh.get("primitives") or ():
             if primitive.get("material") in image_of_material:

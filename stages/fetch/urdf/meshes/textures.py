@@ -45,7 +45,7 @@ def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
     name = name.replace("\\", "/").rpartition("/")[2]
     if isinstance(content, str):
         return Texture(name, why=content)
-    if len(content) > png.LARGEST:
+    if len(content) > png.MAX_BYTES:
         return Texture(name, why=f"it has {len(content)} bytes, more than is read")
     if content.startswith(_JPEG):
         return Texture(name, why="it is a JPEG, and only PNG images are carried")
