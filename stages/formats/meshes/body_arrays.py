@@ -57,9 +57,7 @@ def encode(bodies: Sequence[Body]) -> bytes:
     colours."""
     records, arrays = [], []
     for body in bodies:
-        if len(body.palette) > _MAX_COLOURS:
-            msg = f"body {body.id} has {len(body.palette)} colours; at most {_MAX_COLOURS} are kept"
-            raise ValueError(msg)
+        _require_few_colours(body.id, len(body.palette))
         records.append(
             {
                 "id": body.id,
@@ -138,7 +136,8 @@ def merged(
     """Makes a body from loose triangles: points that are equal to the last bit are merged.
 
     `corners` (m, 3) index the points (n, 3), `which` (m,) the colours. `textures`: the digest of each
-    colour's image, or ""; with any, `texcoords` (m, 3, 2) are the (u, v) of the corners.
+    colour's image, or ""; with any, `texcoords` (m, 3, 2) are the (u, v) of the corners. Raises ValueError
+    for more than 65536 colours.
     """
     paints = list(zip(colours, textures or [""] * len(colours), strict=True))
 
@@ -149,6 +148,7 @@ def merged(
         points = points[is_used]
     points, index = distinct(points)
     palette = sorted({paints[paint] for paint in np.unique(which)})
+    _require_few_colours(name, len(palette))
     rank = {paint: place for place, paint in enumerate(palette)}
     ranks = np.array([rank.get(paint, 0) for paint in paints], dtype=np.uint16)
     is_textured = np.array([bool(texture) for _, texture in palette])[ranks[which]]
@@ -163,6 +163,13 @@ def merged(
         if texcoords is not None and is_textured.any()
         else None,
     )
+
+
+def _require_few_colours(body: str, count: int) -> None:
+    """Raises ValueError if a body has more colours than its indices can count."""
+    if count > _MAX_COLOURS:
+        msg = f"body {body} has {count} colours; at most {_MAX_COLOURS} are kept"
+        raise ValueError(msg)
 
 
 def _textured_only(

@@ -49,6 +49,13 @@ def test_textures_and_coordinates_come_back_exactly():
     assert list(body_arrays.decode(data, ["c"])) == ["c"]
 
 
+def test_more_colours_than_an_index_counts_are_refused():
+    count = (1 << 16) + 1
+    colours = [(index / count, 0.0, 0.0, 1.0) for index in range(count)]
+    with pytest.raises(ValueError, match=f"{count} colours"):
+        body_arrays.merged("a", POINTS, CORNERS[[0] * count], colours, np.arange(count))
+
+
 def test_texture_that_no_triangle_has_is_left_out():
     made = body_arrays.merged("a", POINTS, CORNERS, [RED, RED], np.zeros(4, dtype=np.int64), ["", IMAGE], UV)
     assert (made.textures, made.texcoords) == ((), None)
