@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from linkwright.pipeline.checking.packages import check_packages
 from linkwright.pipeline.checking.verdict import Verdict, file_of
 from linkwright.pipeline.errors import OutputError, reason
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.robot.check import Check
 from linkwright.stages.targets.engines import ENGINES
@@ -83,7 +83,7 @@ def _truth(folder: Path) -> "Truth | None":
     if not file.is_file():
         return None
     try:
-        return described(file.read_bytes())
+        return read_robot_json(file.read_bytes())
     except OSError as error:
         raise OutputError(f"it cannot be read: {reason(error)}", str(file)) from None
     except RobotJsonError as error:

@@ -25,7 +25,7 @@ from linkwright.stages.robot.model.mjcf_extras import MjcfElement
 from linkwright.stages.robot.model.robot import Joint, Link, Robot
 
 PACKAGES = ("ros2", "python")
-"""The tables of packages that are written from the other files."""
+"""The keys of the packages that are written from the other files."""
 
 MAX_ROWS = 20_000
 """Largest number of rows of a table: of links, joints and other things of a robot."""
@@ -42,15 +42,17 @@ class Truth:
     """The robot as its files have it; its `srdf_form` is None for an older build."""
 
     files: tuple[str, ...]
-    """The paths of the files, except those of a Python package."""
+    """The paths of the robot's other files, except those of a Python package."""
 
     packages: Mapping[str, PackageRecord]
     """Format → the package that is written from the other files."""
 
 
-def described(data: bytes) -> Truth:
-    """Returns the content of a robot.json. Raises RobotJsonError if it is not a robot, or a robot of another
-    version."""
+def read_robot_json(data: bytes) -> Truth:
+    """Returns the robot in the bytes of a robot.json, and what else its files must have.
+
+    Raises RobotJsonError if they are not JSON, are of another version, or are not a valid robot.
+    """
     try:
         table = json.loads(data)
         record = _record(table)
@@ -65,8 +67,8 @@ def described(data: bytes) -> Truth:
     _require_single_names(robot)
     extras = robot.mjcf
     if extras is not None:
-        mounted = (mounted.element for mounted in extras.mounted)
-        _require_shallow((*mounted, *extras.sections, *extras.scene))
+        mounted_elements = (mounted.element for mounted in extras.mounted)
+        _require_shallow((*mounted_elements, *extras.sections, *extras.scene))
     tables = {name: getattr(record, name) for name in PACKAGES}
     packages = {name: package for name, package in tables.items() if package is not None}
     folders = [path for package in packages.values() for path in (package.package, package.folder) if path]
@@ -82,21 +84,23 @@ def described(data: bytes) -> Truth:
             closed=tuple(loop.name for loop in record.loops if loop.mimic),
             package=record.urdf.package if record.urdf else "",
         ),
-        mjcf_form=MjcfForm(tuple(held.link for held in record.fused), extras),
+        mjcf_form=MjcfForm(tuple(fused.link for fused in record.fused), extras),
         sensing=record.sensing.to_model(),
         amendments=Amendments(record.amendments, record.surplus),
         scene=modelled(record.scene),
-        srdf_form=_srdf(record.srdf) if record.srdf else None,
+        srdf_form=_srdf_form(record.srdf) if record.srdf else None,
     )
     return Truth(written, record.files, packages)
 
 
-def _srdf(record: SrdfRecord) -> SrdfForm:
+def _srdf_form(record: SrdfRecord) -> SrdfForm:
+    """Returns the content that only the SRDF has."""
     pairs = ((first, second) for first, later in record.never.items() for second in later)
     return SrdfForm(frozenset(pairs), record.end_effectors)
 
 
 def _record(table: Any) -> RobotRecord:
+    """Returns the record in parsed JSON. Raises RobotJsonError for an invalid or too large table."""
     if not isinstance(table, Mapping):
         return read(RobotRecord, table, {})
     if table.get("format") != FORMAT:
@@ -115,18 +119,19 @@ def _record(table: Any) -> RobotRecord:
 
 
 def _rows(table: Any, key: str) -> list[Any]:
-    """Returns the rows of a table that may be anything."""
+    """Returns the list at `key` of a table; empty if there is none, or `table` is not a table."""
     rows = table.get(key) if isinstance(table, Mapping) else None
     return rows if isinstance(rows, list) else []
 
 
 def _names(rows: list[Any]) -> set[str]:
+    """Returns the names in rows that may be invalid."""
     names = [row["name"] for row in rows if isinstance(row, Mapping) and "name" in row]
     return {name for name in names if isinstance(name, str)}
 
 
 def _require_inside(*paths: str) -> None:
-    """Raises RobotJsonError for a path outside of the folder: no such file is read."""
+    """Raises RobotJsonError for a path that is not below the robot's folder, so that no such file is read."""
     for path in paths:
         parts = PurePosixPath(path).parts
         if not parts or path.startswith("/") or ".." in parts or "\\" in path or "\0" in path:
@@ -135,8 +140,8 @@ def _require_inside(*paths: str) -> None:
 
 
 def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
-    """Raises RobotJsonError unless each link but the first is the child of a joint, which comes after its
-    parent's."""
+    """Raises RobotJsonError unless each link except the first is the child of a single joint, which comes
+    after the joint of its parent."""
     reached = {link.name for link in links[:1]}
     for joint in joints:
         if joint.parent not in reached or joint.child in reached:
@@ -150,18 +155,20 @@ def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
 
 
 def _require_single_names(robot: Robot) -> None:
-    loops = [dof.name for loop in robot.loops for dof in loop.dofs]
+    """Raises RobotJsonError if two links, or two degrees of freedom, have the same name."""
+    loop_dofs = [dof.name for loop in robot.loops for dof in loop.dofs]
     for kind, names in (
         ("links", [link.name for link in robot.links]),
-        ("joints", [*(dof.name for dof in robot.dofs), *loops]),
+        ("joints", [*(dof.name for dof in robot.dofs), *loop_dofs]),
     ):
-        twice = sorted(name for name, number in Counter(names).items() if number > 1)
-        if twice:
-            msg = f"{kind}: {twice[0]!r} is there twice"
+        repeated_names = sorted(name for name, count in Counter(names).items() if count > 1)
+        if repeated_names:
+            msg = f"{kind}: {repeated_names[0]!r} is there twice"
             raise RobotJsonError(msg)
 
 
 def _require_shallow(elements: tuple[MjcfElement, ...]) -> None:
+    """Raises RobotJsonError if elements are nested too deeply for recursive functions."""
     for _ in range(MAX_DEPTH + 1):
         elements = tuple(child for element in elements for child in element.children)
     if elements:

@@ -8,24 +8,25 @@ from collections.abc import Mapping
 from urllib.parse import quote_plus, unquote_plus
 
 DEFAULT = "default"
+"""Onshape's text for a configuration without values."""
 
 
-def encoded(value: str) -> str:
-    """Returns a value, encoded for the text."""
+def encode_value(value: str) -> str:
+    """Returns a value as the text of a configuration has it."""
     return quote_plus(value, safe="")
 
 
-def decoded(value: str) -> str:
-    """Returns the value that `encoded` wrote."""
+def decode_value(value: str) -> str:
+    """Returns the value of an encoded value (see `encode_value`)."""
     return unquote_plus(value)
 
 
-def split(text: str) -> dict[str, str]:
-    """Returns parameter id → its value, still encoded; empty for "default". The order is kept."""
+def split_configuration(text: str) -> dict[str, str]:
+    """Returns parameter id → its value, still encoded, in the order of the text; empty for "default"."""
     pairs = (item.partition("=") for item in text.split(";"))
     return {name: value for name, equals, value in pairs if equals and name}
 
 
-def joined(values: Mapping[str, str]) -> str:
-    """Returns the text of encoded values by parameter id."""
+def join_configuration(values: Mapping[str, str]) -> str:
+    """Returns the text of a configuration: `values` are encoded values by parameter id."""
     return ";".join(f"{name}={value}" for name, value in values.items()) or DEFAULT

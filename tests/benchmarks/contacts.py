@@ -15,7 +15,7 @@ from pathlib import Path
 
 import mujoco
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.validate.checks.contact.false_contact import CHOSEN_REASONS
 from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.contact_errors import contact_errors
@@ -82,7 +82,7 @@ def built(here, cache, name, *more):
 
 def compiled_model(folder):
     """The MJCF of a build, as a check gets it."""
-    truth = described((folder / "robot.json").read_bytes())
+    truth = read_robot_json((folder / "robot.json").read_bytes())
     path = folder / f"{truth.written.robot.name}.xml"
     return CompiledModel(path, mujoco.MjModel.from_xml_path(str(path)), truth.written)
 

@@ -5,7 +5,7 @@ import json
 import mujoco
 import pytest
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
 from linkwright.stages.robot import codec
 from linkwright.stages.validate import validate
@@ -100,7 +100,7 @@ def test_the_presets_keep_the_bodies_of_an_mjcf(tmp_path):
 @pytest.mark.parametrize("case", CASES)
 def test_robot_json_has_all_that_checks_need_also_from_the_cache(case, tmp_path):
     built(written(tmp_path, model(*CASES[case])), tmp_path / "out")
-    truth = described((tmp_path / "out/robot.json").read_bytes())
+    truth = read_robot_json((tmp_path / "out/robot.json").read_bytes())
     assert truth.written.robot.mjcf is not None
     checks = validate(tmp_path / "out", truth.written, plan_of())
     assert not [(check.name, check.detail) for check in checks if check.fails]
@@ -126,7 +126,7 @@ def test_the_record_of_an_mjcf_names_what_is_wrong_with_it(tmp_path):
             table = table[key]
         table[place[-1]] = 1.5
         with pytest.raises(RobotJsonError, match=str(place[-1])):
-            described(json.dumps(changed).encode())
+            read_robot_json(json.dumps(changed).encode())
 
 
 FAULTS = {
@@ -149,7 +149,7 @@ def test_a_change_of_what_only_an_mjcf_has_is_found(fault, tmp_path):
     case, text, changed = FAULTS[fault]
     folder = tmp_path / "out"
     built(written(tmp_path, model(*CASES[case])), folder)
-    truth = described((folder / "robot.json").read_bytes())
+    truth = read_robot_json((folder / "robot.json").read_bytes())
     file = folder / f"{truth.written.robot.name}.xml"
     assert text in file.read_text()
     file.write_text(file.read_text().replace(text, changed, 1))

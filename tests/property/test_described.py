@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.robot.dynamics.driven import with_actuation
 from linkwright.stages.validate import validate
 from tests.fake_onshape.sample import sample_document
@@ -43,7 +43,7 @@ def comes_back(document, root, seed, **keys):
     robot, plan = drawn(document, root, seed, **keys)
     with tempfile.TemporaryDirectory() as folder:
         exported = write(robot, Path(folder), plan)
-        truth = described((Path(folder) / "robot.json").read_bytes())
+        truth = read_robot_json((Path(folder) / "robot.json").read_bytes())
         checks = validate(Path(folder), truth.written, plan)
         before = validate(Path(folder), exported.written, plan)
     written, read = exported.written, truth.written

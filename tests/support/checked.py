@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.urdf.urdf_robot import urdf_form
 from linkwright.stages.formats.written import Written
@@ -25,7 +25,7 @@ def checked(folder, robot, keys, **forms):
 
 def srdf_checks(folder):
     """The checks of `robot.srdf` in a folder, against its robot.json alone."""
-    truth = described((folder / "robot.json").read_bytes())
+    truth = read_robot_json((folder / "robot.json").read_bytes())
     return list(check_file(folder / "robot.srdf", replace(truth.written, srdf_form=None), quick=False))
 
 

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.validate import validate
 from linkwright.stages.validate.engines import mujoco_engine
 from linkwright.stages.validate.section import ValidateSections
@@ -19,7 +19,7 @@ def checks_of(folder, truth):
 
 
 def truth_of(folder):
-    return described((folder / "robot.json").read_bytes())
+    return read_robot_json((folder / "robot.json").read_bytes())
 
 
 def _memory():

@@ -169,11 +169,11 @@ def test_proof_of_a_format_is_a_reader_and_a_line(tree):
 READ_BACK = """
 import json, sys
 from pathlib import Path
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from tests.config.robot_json import markdown, schema
 data = Path(sys.argv[1], "robot.json").read_bytes()
 row = schema()["$defs"]["LinkRecord"]["properties"]["density"]
-links = described(data).written.robot.links
+links = read_robot_json(data).written.robot.links
 print(json.dumps([[link.density for link in links], row, "kg/m³" in markdown()]))
 """
 """What the reader, the JSON Schema and the page about robot.json have of the density."""

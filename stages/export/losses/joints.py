@@ -140,7 +140,7 @@ def _mixed_relations(case: Case[Any]) -> Iterator[str]:
 
 def _reduced_drives(case: "Case[UsdPlan]") -> list[str]:
     drives = case.plan.drives
-    return [*drives.left_out, *(f"{name} (without its {lack})" for name, lack in drives.less)]
+    return [*drives.left_out, *(f"{name} (without its {lack})" for name, lack in drives.losses)]
 
 
 def _urdf_merged(case: Case[Any]) -> Iterator[str]:

@@ -224,7 +224,7 @@ class _LayerWriter:
         write_joint(prim, joint)
         dof = joint.dof
         if dof is not None and not joint.closes and joint.type != "Spherical":
-            value, drive = self.plan.home[dof.name], self.plan.drives.of.get(dof.name)
+            value, drive = self.plan.home[dof.name], self.plan.drives.by_dof.get(dof.name)
             assert not isinstance(value, tuple)
             facts = joint_state(dof, value) | (joint_drive(dof, drive) if drive is not None else JointFacts())
             write_facts(prim, facts, {})

@@ -10,7 +10,7 @@ from linkwright.stages.export.paints import Paint, materials, paint
 from linkwright.stages.export.usd.layer import Layer, Prim
 from linkwright.stages.formats.meshes.body_arrays import distinct
 from linkwright.stages.formats.meshes.faces import MeshFaces, mesh_faces, normals
-from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
+from linkwright.stages.formats.usd.colours import ROUGHNESS, to_linear_rgb
 from linkwright.stages.formats.usd.names import identifiers
 from linkwright.stages.robot.model.geometry import Geometry, Shape
 from linkwright.stages.robot.model.robot import Array, Primitive
@@ -155,7 +155,7 @@ def _write_material(prim: Prim, paint_of_material: Paint) -> str:
         image.token("info:id", "UsdUVTexture")
         image.set("inputs:file", "asset", f"assets/{texture}")
         image.set("inputs:sourceColorSpace", "token", "sRGB")
-        image.floats("inputs:scale", "float4", (*linear(colour), 1.0))
+        image.floats("inputs:scale", "float4", (*to_linear_rgb(colour), 1.0))
         places = prim.child("places", "Shader")
         places.token("info:id", "UsdPrimvarReader_float2")
         places.set("inputs:varname", "string", "st")
@@ -164,7 +164,7 @@ def _write_material(prim: Prim, paint_of_material: Paint) -> str:
         image.set("outputs:rgb", "float3", None)
         surface.connect("inputs:diffuseColor", "color3f", f"{image.path}.outputs:rgb")
     else:
-        surface.floats("inputs:diffuseColor", "color3f", linear(colour))
+        surface.floats("inputs:diffuseColor", "color3f", to_linear_rgb(colour))
     surface.number("inputs:opacity", colour[3])
     surface.number("inputs:roughness", ROUGHNESS)
     surface.set("outputs:surface", "token", None)
@@ -197,7 +197,7 @@ def write_visuals(
             prim.array(
                 "primvars:displayColor",
                 "color3f[]",
-                np.array([linear(colour_and_image[0])], dtype=np.float32),
+                np.array([to_linear_rgb(colour_and_image[0])], dtype=np.float32),
             )
             prim.apply("MaterialBindingAPI")
             prim.point_to("material:binding", robot_materials.visual[colour_and_image])

@@ -12,7 +12,11 @@ from typing import Any, Literal, get_args
 
 import orjson
 
-from linkwright.stages.formats.onshape_configuration import encoded, joined, split
+from linkwright.stages.formats.onshape_configuration import (
+    encode_value,
+    join_configuration,
+    split_configuration,
+)
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import ProtocolError, SourceError
 from linkwright.stages.robot.text.globs import did_you_mean
@@ -124,10 +128,14 @@ def encode_settings(base: str, settings: Mapping[str, Any], parameters: Sequence
     if log.problems:
         msg = f"invalid configuration of the assembly: {count(len(log.problems), 'problem')}"
         raise SourceError(msg, _CONFIGURATION_KEY, problems=log.problems)
-    encoded_texts = split(base) | {parameter_id: encoded(text) for parameter_id, text in texts_by_id.items()}
+    encoded_texts = split_configuration(base) | {
+        parameter_id: encode_value(text) for parameter_id, text in texts_by_id.items()
+    }
     # In the order of the assembly's parameters, so that the same configuration is always the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
-    return joined(dict(sorted(encoded_texts.items(), key=lambda item: rank.get(item[0], len(rank)))))
+    return join_configuration(
+        dict(sorted(encoded_texts.items(), key=lambda item: rank.get(item[0], len(rank))))
+    )
 
 
 def _parameter(record: Mapping[str, Any]) -> Parameter:

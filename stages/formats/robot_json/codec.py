@@ -32,8 +32,8 @@ class RobotJsonError(Exception):
         return RobotJsonError(self._message, f"{step}{'' if place[:1] in ('', '[') else '.'}{place}")
 
 
-def refused(expected: str, value: Any) -> RobotJsonError:
-    """Returns the error for a value that is not as expected."""
+def refusal(expected: str, value: Any) -> RobotJsonError:
+    """Returns the error of a value that is not as expected. Its place is that of the value itself."""
     value_text = "nothing" if value is None else repr(value)
     value_text = value_text if len(value_text) <= 60 else f"{value_text[:57]}..."
     return RobotJsonError(f"expected {expected}, found {value_text}", "")
@@ -81,14 +81,14 @@ class JsonRecord(Generic[T]):
 
     def to_model(self, **more: Any) -> T:
         """Returns the value of the record; `more`: attributes that no field has."""
-        kind, names = _in_model(cast(Any, type(self)))
+        kind, names = _class_and_names(cast(Any, type(self)))
         attributes = {name: modelled(getattr(self, name)) for name in names if name not in more}
         value: T = kind(**attributes, **more)
         return value
 
 
 @cache
-def _in_model(record: Any) -> tuple[Any, tuple[str, ...]]:
+def _class_and_names(record: Any) -> tuple[Any, tuple[str, ...]]:
     """Returns the class of the model behind a record, and the names that both have."""
     kind = get_args(record.__orig_bases__[0])[0]
     names = {entry.name for entry in entries_of(record)}
@@ -107,7 +107,7 @@ class PairRecord(JsonRecord[tuple[Any, ...]]):
 
 
 def modelled(value: Any) -> Any:
-    """Converts records to the model's values, also in tuples; returns everything else unchanged."""
+    """Converts records to the model's values, also in tuples; returns other values unchanged."""
     if isinstance(value, tuple):
         return tuple(map(modelled, value))
     return value.to_model() if isinstance(value, JsonRecord) else value
@@ -144,7 +144,8 @@ class FieldEntry:
 
 @cache
 def entries_of(kind: Any) -> tuple[FieldEntry, ...]:
-    """Returns the fields of a record. A class of the model that is a record itself leaves nothing out."""
+    """Returns the fields of a record. A class of the model may be used as a record itself; then every field
+    is written, even with its default."""
     hints = typing.get_type_hints(kind, include_extras=True)
     entries = []
     for field in fields(kind):
@@ -164,50 +165,51 @@ def form_of(kind: Any) -> Form:
     if origin is Annotated:
         return next((mark for mark in reversed(inside) if isinstance(mark, Form)), None) or form_of(inside[0])
     if origin is Literal:
-        return _one_of(*inside)
+        return _choice_form(*inside)
     if origin in (Union, UnionType):
-        return _or_null(form_of(next(option for option in inside if option is not NoneType)))
+        return _nullable_form(form_of(next(option for option in inside if option is not NoneType)))
     if origin is tuple:
-        return _several(form_of(inside[0]), None if inside[-1] is ... else len(inside))
+        return _list_form(form_of(inside[0]), None if inside[-1] is ... else len(inside))
     if origin is not None and issubclass(origin, Mapping):
         return table_of(form_of(inside[1]))
-    return _PLAIN.get(kind) or _record(kind)
+    return _PLAIN_FORMS.get(kind) or _record_form(kind)
 
 
-def _plain(kinds: Any, expected: str, schema: str) -> Form:
-    """Returns the form of a type that JSON has itself."""
+def _plain_form(kinds: Any, expected: str, schema: str) -> Form:
+    """Returns the form of a type of JSON. `kinds`: its Python types; `expected`: its name in messages;
+    `schema`: its name in a schema."""
 
     def read(data: Any, names: Names) -> Any:
         if not isinstance(data, kinds) or (isinstance(data, bool) and kinds is not bool):
-            raise refused(expected, data)
+            raise refusal(expected, data)
         return data
 
     return Form(lambda value: value, read, {"type": schema})
 
 
-def _finite(data: Any, names: Names) -> float:
-    # A whole number may be too large for any other.
+def _read_finite(data: Any, names: Names) -> float:
     if isinstance(data, bool) or not isinstance(data, int | float):
-        raise refused("a number", data)
+        raise refusal("a number", data)
+    # Also for whole numbers, which may be too large for a float. NaN fails every comparison.
     if not abs(data) <= sys.float_info.max:
-        raise refused("a finite number", data)
+        raise refusal("a finite number", data)
     return float(data)
 
 
-_PLAIN = {
-    float: Form(lambda value: value, _finite, {"type": "number"}),
-    str: _plain(str, "a text", "string"),
-    bool: _plain(bool, "true or false", "boolean"),
-    int: _plain(int, "a whole number", "integer"),
+_PLAIN_FORMS = {
+    float: Form(lambda value: value, _read_finite, {"type": "number"}),
+    str: _plain_form(str, "a text", "string"),
+    bool: _plain_form(bool, "true or false", "boolean"),
+    int: _plain_form(int, "a whole number", "integer"),
 }
-_LIST, _TABLE = _plain(list, "a list", "array"), _plain(Mapping, "a table", "object")
+_LIST, _TABLE = _plain_form(list, "a list", "array"), _plain_form(Mapping, "a table", "object")
 
 
 def refers_to(kind: str) -> Form:
-    """Returns the form of a name of a thing of this kind."""
+    """Returns the form of a name that must be one of the existing names of this kind."""
 
     def read(data: Any, names: Names) -> str:
-        text: str = _PLAIN[str].read(data, names)
+        text: str = _PLAIN_FORMS[str].read(data, names)
         if text not in names[kind]:
             raise RobotJsonError(f"there is no {kind} {text!r}", "")
         return text
@@ -215,17 +217,17 @@ def refers_to(kind: str) -> Form:
     return Form(str, read, {"type": "string"})
 
 
-def _one_of(*words: str) -> Form:
+def _choice_form(*words: str) -> Form:
     def read(data: Any, names: Names) -> str:
-        text: str = _PLAIN[str].read(data, names)
+        text: str = _PLAIN_FORMS[str].read(data, names)
         if text not in words:
-            raise refused(f"one of {', '.join(words)}", data)
+            raise refusal(f"one of {', '.join(words)}", data)
         return text
 
     return Form(str, read, {"enum": list(words)})
 
 
-def _or_null(form: Form) -> Form:
+def _nullable_form(form: Form) -> Form:
     return Form(
         lambda value: None if value is None else form.write(value),
         lambda data, names: None if data is None else form.read(data, names),
@@ -233,7 +235,7 @@ def _or_null(form: Form) -> Form:
     )
 
 
-def _several(form: Form, count: int | None) -> Form:
+def _list_form(form: Form, count: int | None) -> Form:
     """Returns the form of a list; a missing list is empty if its length is not fixed."""
 
     def read(data: Any, names: Names) -> tuple[Any, ...]:
@@ -241,7 +243,7 @@ def _several(form: Form, count: int | None) -> Form:
             return ()
         items, values = _LIST.read(data, names), list[Any]()
         if count not in (None, len(items)):
-            raise refused(f"{count} values", data)
+            raise refusal(f"{count} values", data)
         try:
             for item in items:
                 values.append(form.read(item, names))
@@ -270,7 +272,7 @@ def table_of(form: Form, make: Callable[[dict[str, Any]], Any] = dict) -> Form:
     return Form(lambda value: {key: form.write(item) for key, item in dict(value).items()}, read, schema)
 
 
-def _record(kind: type) -> Form:
+def _record_form(kind: type) -> Form:
     def write(value: Any) -> dict[str, Any]:
         record = value if isinstance(value, kind) else kind.from_model(value)  # type: ignore[attr-defined]
         table: dict[str, Any] = {}

@@ -152,15 +152,20 @@ class SensorRecord(JsonRecord[Sensor]):
 
     @classmethod
     def from_model(cls, value: Sensor, **more: Any) -> "SensorRecord":
-        on, of = (value.target, value.name_of_target), (value.relative_to, value.name_of_relative)
-        ends = {"on": on if value.target else None, "relative_to": of if value.relative_to else None}
-        return super().from_model(value, **ends, **({} if value.shape else {"size": ()}))
+        target = (value.target, value.name_of_target) if value.target else None
+        reference = (value.relative_to, value.name_of_relative) if value.relative_to else None
+        # The size belongs to a shape.
+        size = value.size if value.shape else ()
+        return super().from_model(value, on=target, relative_to=reference, size=size)
 
     def to_model(self, **more: Any) -> Sensor:
-        target, name = self.on.to_model() if self.on else ("", "")
-        other, its_name = self.relative_to.to_model() if self.relative_to else ("", "")
+        target, target_name = self.on.to_model() if self.on else ("", "")
+        reference, reference_name = self.relative_to.to_model() if self.relative_to else ("", "")
         return super().to_model(
-            target=target, name_of_target=name, relative_to=other, name_of_relative=its_name
+            target=target,
+            name_of_target=target_name,
+            relative_to=reference,
+            name_of_relative=reference_name,
         )
 
 

@@ -18,7 +18,8 @@ from linkwright.stages.formats.robot_json.values import (
 from linkwright.stages.robot.model import robot as model
 
 MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
-"""The transform from the right-handed pose that is written for a mirrored part to its own (4, 4)."""
+"""The reflection (4, 4) between the left-handed pose of a mirrored part and the right-handed pose that is
+written for it."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +73,14 @@ class PartRecord(JsonRecord[model.Part]):
         return super().from_model(_flipped(value) if mirrored else value, mirrored=mirrored)
 
     def to_model(self, **more: Any) -> model.Part:
-        """Returns the part, without its mesh, which is not known."""
+        """Returns the part, without its mesh, which robot.json does not name."""
         part = super().to_model(mesh=None)
         return _flipped(part) if self.mirrored else part
 
 
 def _flipped(part: model.Part) -> model.Part:
+    """Returns a part with its poses changed from left-handed to right-handed, or back."""
+
     def flip(pose: model.Array) -> model.Array:
         return model.frozen(pose @ MIRROR)
 

@@ -15,7 +15,7 @@ from linkwright.stages.formats.robot_json.codec import (
     Names,
     form_of,
     refers_to,
-    refused,
+    refusal,
     table_of,
 )
 from linkwright.stages.robot.model.poses import from_parts, quat_from_rotation, rotation_from_quat
@@ -47,32 +47,33 @@ def six_digits(value: float) -> float:
     return float(f"{value:.6g}") if abs(value) > 1e-9 else 0.0
 
 
-_finite = form_of(float).read
+_read_finite = form_of(float).read
 
 
 def _unchanged(value: Any) -> Any:
     return value
 
 
-def _number(write: Callable[[float], float]) -> Form:
+def _number_form(write: Callable[[float], float]) -> Form:
     return replace(form_of(float), write=write)
 
 
-def _list(data: Any, *counts: int) -> tuple[float, ...]:
-    """Returns a list of numbers as a tuple. Its length must be one of `counts`, if there are any."""
+def _read_list(data: Any, *counts: int) -> tuple[float, ...]:
+    """Returns a list of numbers as a tuple. Raises RobotJsonError for other data, and if its length is not
+    one of `counts`, if there are any."""
     if not isinstance(data, list) or (counts and len(data) not in counts):
-        raise refused(f"{' or '.join(map(str, counts))} numbers".lstrip(), data)
-    return tuple(_finite(item, {}) for item in data)
+        raise refusal(f"{' or '.join(map(str, counts))} numbers".lstrip(), data)
+    return tuple(_read_finite(item, {}) for item in data)
 
 
-def _numbers(write: Callable[[Any], Any], *counts: int) -> Form:
+def _numbers_form(write: Callable[[Any], Any], *counts: int) -> Form:
     size = {"minItems": min(counts), "maxItems": max(counts)} if counts else {}
     schema = {"type": "array", "items": {"type": "number"}, **size}
-    return Form(write, lambda data, names: _list(data, *counts), schema)
+    return Form(write, lambda data, names: _read_list(data, *counts), schema)
 
 
-def _vector(least: float = 0.0) -> Form:
-    form = _numbers(partial(as_floats, least=least), 3)
+def _vector_form(least: float = 0.0) -> Form:
+    form = _numbers_form(partial(as_floats, least=least), 3)
     return Form(form.write, lambda data, names: frozen(form.read(data, names)), form.schema)
 
 
@@ -81,40 +82,40 @@ def _write_each(write: Callable[[float], float]) -> Callable[[Iterable[float]], 
     return lambda values: [write(value) for value in values]
 
 
-def _tensor(write: Callable[[Array], Any]) -> Form:
+def _tensor_form(write: Callable[[Array], Any]) -> Form:
     def read(data: Any, names: Names) -> Array:
         if not isinstance(data, list) or [len(row) for row in data if isinstance(row, list)] != [3, 3, 3]:
-            raise refused("a 3x3 tensor", data)
-        return frozen([_list(row) for row in data])
+            raise refusal("a 3x3 tensor", data)
+        return frozen([_read_list(row) for row in data])
 
     row = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
     return Form(write, read, {**row, "items": row})
 
 
 def _read_quat(data: Any, names: Names) -> Array:
-    quat = frozen(_list(data, 4))
+    quat = frozen(_read_list(data, 4))
     if not np.linalg.norm(quat) > 0.0:
-        raise refused("a quaternion", data)
+        raise refusal("a quaternion", data)
     return quat
 
 
 def _read_ends(data: Any, names: Names) -> tuple[float | None, ...]:
     if not isinstance(data, list) or len(data) != 2:
-        raise refused("two ends", data)
-    return tuple(None if end is None else _finite(end, names) for end in data)
+        raise refusal("two ends", data)
+    return tuple(None if end is None else _read_finite(end, names) for end in data)
 
 
 def _read_value(data: Any, names: Names) -> Value:
-    return _list(data, 4, 7) if isinstance(data, list) else _finite(data, names)
+    return _read_list(data, 4, 7) if isinstance(data, list) else _read_finite(data, names)
 
 
 def _read_setting(data: Any, names: Names) -> Setting:
     if isinstance(data, str):
         return data
-    return _list(data) if isinstance(data, list) else _finite(data, names)
+    return _read_list(data) if isinstance(data, list) else _read_finite(data, names)
 
 
-def _setting(write: Callable[[float], float]) -> Form:
+def _setting_form(write: Callable[[float], float]) -> Form:
     def write_setting(value: Setting) -> Any:
         if isinstance(value, str):
             return value
@@ -129,59 +130,61 @@ def pairs_of(form: Form) -> Form:
     return table_of(form, lambda pairs: tuple(pairs.items()))
 
 
-_DOF_VALUE = Form(as_value, _read_value, {"anyOf": [{"type": "number"}, _numbers(_unchanged, 4, 7).schema]})
+_DOF_VALUE = Form(
+    as_value, _read_value, {"anyOf": [{"type": "number"}, _numbers_form(_unchanged, 4, 7).schema]}
+)
 _PAIRS = form_of(Mapping[str, tuple[str, str]])
 
-Number = Annotated[float, _number(as_float)]
-Coordinate = Annotated[float, _number(partial(as_float, least=TURN))]
+Number = Annotated[float, _number_form(as_float)]
+Coordinate = Annotated[float, _number_form(partial(as_float, least=TURN))]
 """A value of a dof, or a difference of such values [rad or m], with a scale of at least 1: up to 1e-12 it
 counts as 0."""
 
-SixDigits = Annotated[float, _number(six_digits)]
+SixDigits = Annotated[float, _number_form(six_digits)]
 """A number in six digits."""
 
-Vector = Annotated[Array, _vector()]
-Position = Annotated[Array, _vector(LENGTH)]
+Vector = Annotated[Array, _vector_form()]
+Position = Annotated[Array, _vector_form(LENGTH)]
 """A position (3,) [m], with a scale of at least 0.1 m: entries up to 1e-13 m count as 0."""
 
-Tensor = Annotated[Array, _tensor(as_floats)]
-ExactTensor = Annotated[Array, _tensor(lambda axes: np.asarray(axes, dtype=float).tolist())]
+Tensor = Annotated[Array, _tensor_form(as_floats)]
+ExactTensor = Annotated[Array, _tensor_form(lambda axes: np.asarray(axes, dtype=float).tolist())]
 """A 3x3 tensor with all digits."""
 
-Quat = Annotated[Array, Form(as_floats, _read_quat, _numbers(_unchanged, 4).schema)]
+Quat = Annotated[Array, Form(as_floats, _read_quat, _numbers_form(_unchanged, 4).schema)]
 DofValue = Annotated[Value, _DOF_VALUE]
 
 Ends = Annotated[
     tuple[float | None, float | None],
-    Form(list, _read_ends, {**_numbers(list, 2).schema, "items": {"type": ["number", "null"]}}),
+    Form(list, _read_ends, {**_numbers_form(list, 2).schema, "items": {"type": ["number", "null"]}}),
 ]
 """Two numbers, each of which may be null."""
 
-Range = Annotated[tuple[float, float], _numbers(as_floats, 2)]
-SixDigitRange = Annotated[tuple[float, float], _numbers(_write_each(six_digits), 2)]
+Range = Annotated[tuple[float, float], _numbers_form(as_floats, 2)]
+SixDigitRange = Annotated[tuple[float, float], _numbers_form(_write_each(six_digits), 2)]
 """Two numbers in six digits each."""
 
-Friction = Annotated[tuple[float, float, float], _numbers(as_floats, 3)]
-Colour = Annotated[tuple[float, float, float, float], _numbers(_write_each(as_float), 4)]
-Lengths = Annotated[tuple[float, ...], _numbers(_write_each(as_float))]
+Friction = Annotated[tuple[float, float, float], _numbers_form(as_floats, 3)]
+Colour = Annotated[tuple[float, float, float, float], _numbers_form(_write_each(as_float), 4)]
+Lengths = Annotated[tuple[float, ...], _numbers_form(_write_each(as_float))]
 """Lengths [m], each rounded by its own scale."""
 
-Sizes = Annotated[tuple[float, ...], _numbers(as_floats)]
+Sizes = Annotated[tuple[float, ...], _numbers_form(as_floats)]
 """Sizes, all rounded by the largest of them."""
 
-Bounds = Annotated[tuple[float, ...], _numbers(_write_each(six_digits), 6)]
+Bounds = Annotated[tuple[float, ...], _numbers_form(_write_each(six_digits), 6)]
 """The smallest x, y and z, and the largest, in six digits each."""
 
-ExactNumbers = Annotated[tuple[float, ...], _numbers(list)]
+ExactNumbers = Annotated[tuple[float, ...], _numbers_form(list)]
 """Numbers with all digits."""
 
-RootValue = Annotated[tuple[float, ...], _numbers(list, 0, 7)]
+RootValue = Annotated[tuple[float, ...], _numbers_form(list, 0, 7)]
 """Position and quaternion of a floating root; empty for a fixed root."""
 
 
 def numbers_by_own_scale(count: int) -> Form:
     """Returns the form of `count` numbers, each rounded by its own scale."""
-    return _numbers(_write_each(as_float), count)
+    return _numbers_form(_write_each(as_float), count)
 
 
 TextPairs = Annotated[tuple[tuple[str, str], ...], pairs_of(form_of(str))]
@@ -199,10 +202,12 @@ TextListPairs = Annotated[tuple[tuple[str, tuple[str, ...]], ...], pairs_of(form
 ExactValue = Annotated[float | tuple[float, ...], replace(_DOF_VALUE, write=_unchanged)]
 """A dof's value with all digits."""
 
-SettingValue = Annotated[Setting, _setting(as_float)]
-SettingPairs = Annotated[tuple[tuple[str, Setting], ...], pairs_of(_setting(_unchanged))]
-Forces = Annotated[tuple[tuple[str, float], ...], pairs_of(_number(partial(as_float, least=FORCE)))]
-Values = Annotated[tuple[tuple[str, float], ...], pairs_of(Form(as_value, _finite, form_of(float).schema))]
+SettingValue = Annotated[Setting, _setting_form(as_float)]
+SettingPairs = Annotated[tuple[tuple[str, Setting], ...], pairs_of(_setting_form(_unchanged))]
+Forces = Annotated[tuple[tuple[str, float], ...], pairs_of(_number_form(partial(as_float, least=FORCE)))]
+Values = Annotated[
+    tuple[tuple[str, float], ...], pairs_of(Form(as_value, _read_finite, form_of(float).schema))
+]
 
 LinkName = Annotated[str, refers_to("link")]
 DofName = Annotated[str, refers_to("joint")]

@@ -66,7 +66,7 @@ def _expected_facts(dof: Dof, drives: Drives, home: Configuration) -> JointFacts
     facts, value = resistance(dof), home[dof.name]
     if isinstance(value, tuple):
         return facts
-    drive = drives.of.get(dof.name)
+    drive = drives.by_dof.get(dof.name)
     return facts | joint_state(dof, value) | (joint_drive(dof, drive) if drive is not None else JointFacts())
 
 

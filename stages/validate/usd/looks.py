@@ -6,7 +6,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from linkwright.stages.formats.usd.colours import ROUGHNESS, linear
+from linkwright.stages.formats.usd.colours import ROUGHNESS, to_linear_rgb
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.robot.model.geometry import Shape
 from linkwright.stages.validate.findings import differs
@@ -51,7 +51,7 @@ def _surface_differences(
 ) -> Iterator[Finding]:
     """Yields the differences of the colour, the opacity and the image of a visual shape."""
     assert expected_shape.colour is not None
-    linear_rgb, look = linear(expected_shape.colour), shape.look
+    linear_rgb, look = to_linear_rgb(expected_shape.colour), shape.look
     # As in the colour of a look: linear RGB, opacity, roughness.
     expected = (*linear_rgb, expected_shape.colour[3], ROUGHNESS)
     attribute = f"{shape_title} material:binding"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.stages.export.robot_json import describe
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.mjcf import written as mjcf_written
 from linkwright.stages.formats.mjcf.form import MjcfForm
 from linkwright.stages.formats.robot_json.codec import RobotJsonError
@@ -146,7 +146,7 @@ def text(robot):
 @pytest.mark.parametrize("seed", range(3))
 def test_everything_is_read_back(seed):
     robot = whole(seed)
-    truth = described(text(robot))
+    truth = read_robot_json(text(robot))
     again = truth.written
     assert (
         differences(with_actuation(robot, ACTUATION), again.robot, NEAR, {"base": "", "keyframes": ""}) == []
@@ -162,7 +162,7 @@ def test_everything_is_read_back(seed):
 
 
 def test_robot_json_of_a_build_that_ends_early_is_read():
-    truth = described(describe(Written(whole(0))))
+    truth = read_robot_json(describe(Written(whole(0))))
     assert (truth.written.geometry, truth.written.scene, truth.files) == (None, None, ())
     assert truth.written.urdf_form == UrdfForm()
 
@@ -189,7 +189,7 @@ def test_value_of_a_wrong_type_is_a_named_error_or_not_read():
         kept = above[path[-1]]
         above[path[-1]] = ({"x": 1}, "\0", [], None)[number % 4]
         try:
-            described(json.dumps(table).encode())
+            read_robot_json(json.dumps(table).encode())
         except RobotJsonError:
             refused += 1
         above[path[-1]] = kept
@@ -199,7 +199,7 @@ def test_value_of_a_wrong_type_is_a_named_error_or_not_read():
 @pytest.mark.parametrize("data", [b"", b"[", b"[]", b"null", b"\xff", b"{}", b"[" * 100_000, b'{"a": 1e999}'])
 def test_other_data_is_refused(data):
     with pytest.raises(RobotJsonError):
-        described(data)
+        read_robot_json(data)
 
 
 @pytest.mark.parametrize("seed", range(3))

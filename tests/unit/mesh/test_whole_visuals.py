@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.xml import parse
 from linkwright.stages.robot import codec
 from linkwright.stages.show.live.compiled import compile_live
@@ -133,7 +133,7 @@ def test_only_files_that_the_formats_name_are_written(tmp_path, formats, endings
     assert Counter(path.suffix for path in (tmp_path / "assets").iterdir()) == endings
     assert [row for row in checked(tmp_path, robot, plan, geometry=geometry) if row.fails] == []
     if "urdf" in formats:  # robot.json has what the URDF shows
-        read = described(files["robot.json"]).written.geometry
+        read = read_robot_json(files["robot.json"]).written.geometry
 
         def shown(geometry):
             return [(row.link, row.role, row.file) for row in geometry.with_whole_visuals.shapes]

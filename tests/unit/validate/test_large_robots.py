@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.stages.formats.described import described
+from linkwright.stages.formats.described import read_robot_json
 from linkwright.stages.formats.urdf.contacts import excluded_pairs
 from linkwright.stages.formats.written import Written
 from linkwright.stages.robot.dynamics.mass_matrix import mass_matrix
@@ -166,7 +166,7 @@ def test_thousand_links_take_seconds_and_little_memory(tmp_path, make):
     for name, links in (("warm", 3), ("large", 1000)):
         robot = make(links)
         write(robot, tmp_path / name)
-        assert described((tmp_path / name / "robot.json").read_bytes()).written.robot.name == robot.name
+        assert read_robot_json((tmp_path / name / "robot.json").read_bytes()).written.robot.name == robot.name
     places = [str(tmp_path / folder) for folder in ("large", "warm")]
     command = [sys.executable, "-m", "tests.support.measured_checks", *places]
     # What else the machine does is in the processor's time too: of three runs one must be quick enough.

@@ -12,7 +12,7 @@ from typing import Any
 import orjson
 
 from linkwright.stages.fetch.onshape import definition
-from linkwright.stages.formats.onshape_configuration import split
+from linkwright.stages.formats.onshape_configuration import split_configuration
 from linkwright.stages.robot.bundle import ElementKey
 from linkwright.stages.robot.errors import ProtocolError
 
@@ -42,7 +42,7 @@ def owners(body: bytes) -> tuple[Owner, ...]:
 
 def name_variables(body: bytes, owner: Owner) -> bool:
     """Tells whether limits in an assembly's list of features name variables that its configuration lacks."""
-    settings = split(owner.settings)
+    settings = split_configuration(owner.settings)
     return any(name not in settings for name in _names(orjson.loads(body)["features"]))
 
 

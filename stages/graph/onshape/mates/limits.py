@@ -15,7 +15,7 @@ from typing import Any
 
 import orjson
 
-from linkwright.stages.formats.onshape_configuration import decoded, split
+from linkwright.stages.formats.onshape_configuration import decode_value, split_configuration
 from linkwright.stages.graph.dofs import Freedom
 from linkwright.stages.graph.onshape.assembly import Assembly, Mate, Record
 from linkwright.stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
@@ -65,7 +65,7 @@ def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> Assembly:
 
 
 def _read(bundle: OnshapeBundle, features: Features, settings: str) -> _Owner:
-    configuration = {name: decoded(value) for name, value in split(settings).items()}
+    configuration = {name: decode_value(value) for name, value in split_configuration(settings).items()}
     expressions, values = dict(configuration), dict[str, str]()
     if features.variables is not None:
         for name, expression, value in _variables(bundle.body(features.variables)):

@@ -9,7 +9,12 @@ from linkwright.pipeline.run.build import build
 from linkwright.stages.fetch.bundle.archive import pack
 from linkwright.stages.fetch.onshape import configuration
 from linkwright.stages.fetch.onshape.configuration import encode_settings
-from linkwright.stages.formats.onshape_configuration import decoded, encoded, joined, split
+from linkwright.stages.formats.onshape_configuration import (
+    decode_value,
+    encode_value,
+    join_configuration,
+    split_configuration,
+)
 from linkwright.stages.graph import build_robot
 from linkwright.stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError
 from tests.fake_onshape import settings
@@ -66,14 +71,14 @@ def weights(made):
 )
 def test_values_become_onshapes_text_in_the_documents_order(wanted, text):
     assert encode_settings("default", wanted, parameters()) == text
-    assert all(decoded(encoded(value)) == value for value in map(str, wanted.values()))
+    assert all(decode_value(encode_value(value)) == value for value in map(str, wanted.values()))
 
 
 def test_the_address_is_the_base_and_is_kept_word_for_word():
     base = "unknown=a%2Bb;List_g=_narrow;leg_length=0.2+meter"
     text = encode_settings(base, {"Gripper": "wide grip"}, parameters())
     assert text == "leg_length=0.2+meter;List_g=Wide_1;unknown=a%2Bb"
-    assert joined(split(base)) == base
+    assert join_configuration(split_configuration(base)) == base
 
 
 @pytest.mark.parametrize(
