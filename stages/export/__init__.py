@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 66
+VERSION = 67
 """Number that grows whenever the stage gives other files for the same input."""
 
 

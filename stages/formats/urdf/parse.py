@@ -155,8 +155,7 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _required(element: Element | None, name: str, log: FileDiagnostics) -> float:
-    """Returns the number in an attribute that must be there; 0 if it is missing (reports E-URDF-NUMBER), and
-    for a missing element, which is reported already."""
+    """Returns the number in an attribute, 0 if it is missing (reports E-URDF-NUMBER) or without an element."""
     if element is None:
         return 0.0
     if not element.get(name, "").strip():
@@ -177,9 +176,7 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
         fault = f'has the type "{kind}"' if kind else "has no type"
         log.report("E-URDF-TYPE", element, f'joint "{name}" {fault}', f"the types are {', '.join(_TYPES)}")
         return None
-    joint_type: UrdfJointType = next(
-        known_type for known_type in get_args(UrdfJointType) if known_type == kind
-    )
+    joint_type: UrdfJointType = next(known for known in get_args(UrdfJointType) if known == kind)
     limits, effort, velocity = _limit(element, joint_type, log)
     dynamics = child(element, "dynamics", log)
     if dynamics is not None:
@@ -222,8 +219,7 @@ def _linked(element: Element, role: str, log: FileDiagnostics) -> str:
 
 
 def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
-    """Returns the unit vector (3,) of a joint's axis; x if it is missing or has no direction (reports
-    E-URDF-AXIS if the type has an axis)."""
+    """Returns the unit vector (3,) of a joint's axis: x if it is missing, or 0 0 0 (reports E-URDF-AXIS)."""
     axis = child(element, "axis", log)
     direction = None
     if axis is not None:
@@ -233,11 +229,8 @@ def _axis(element: Element, kind: UrdfJointType, log: FileDiagnostics) -> Array:
     largest = float(np.abs(vector).max())
     if largest == 0.0:
         if kind not in ("fixed", "floating"):
-            log.report(
-                "E-URDF-AXIS",
-                axis,
-                f'joint "{element.get("name", "")}" has the axis 0 0 0: it has no direction',
-            )
+            msg = f'joint "{element.get("name", "")}" has the axis 0 0 0: it has no direction'
+            log.report("E-URDF-AXIS", axis, msg)
         return frozen(_DEFAULT_AXIS)
     vector = vector / largest  # so that no square overflows or vanishes
     return frozen(vector / np.linalg.norm(vector))
