@@ -155,7 +155,7 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def _required(element: Element | None, name: str, log: FileDiagnostics) -> float:
-    """Returns the number in an attribute, 0 if it is missing (reports E-URDF-NUMBER) or without an element."""
+    """Returns the number in an attribute; 0 without it (reports E-URDF-NUMBER), or without the element."""
     if element is None:
         return 0.0
     if not element.get(name, "").strip():
