@@ -52,7 +52,9 @@ class BodyWriter:
         }
         self.mounted = extras.mounted
         self.source_geoms = {shape.form.name for shape in geometry.shapes}
-        self.source_geoms |= {mount.element.name for mount in extras.mounted if mount.element.tag == "geom"}
+        elements = [mount.element for mount in extras.mounted]
+        elements += [element for section in extras.scene for element in section.inside()]
+        self.source_geoms |= {element.name for element in elements if element.tag == "geom"}
         """The names of the geoms in an MJCF source."""
         self.collider_names: set[str] = set()
         self.world = world

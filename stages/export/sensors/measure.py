@@ -37,10 +37,11 @@ def sensing_of(
     extras = mjcf_form.extras or NO_EXTRAS
     camera_places = {
         OVERVIEW: "scene.xml",
-        **dict.fromkeys(_camera_names(extras), "the source"),
+        **dict.fromkeys(_names_of_source(extras, "camera"), "the source"),
         **dict.fromkeys(keys.scene.cameras, "scene.cameras"),
     }
-    mounted = MountedSensors(robot, geometry, mjcf_form.fused, camera_places, log)
+    site_names = set(_names_of_source(extras, "site"))
+    mounted = MountedSensors(robot, geometry, mjcf_form.fused, site_names, camera_places, log)
     sensors = [("", mounted.of_source(source)) for source in available_sensors(robot, actuation)]
     sensors += requested_sensors(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
@@ -69,11 +70,11 @@ def sensing_of(
     return sensing, tuple(log.notes)
 
 
-def _camera_names(extras: MjcfExtras) -> Iterator[str]:
-    """Yields the names of the cameras of an MJCF source."""
+def _names_of_source(extras: MjcfExtras, tag: str) -> Iterator[str]:
+    """Yields the names of the elements of this tag that only the MJCF has, on bodies and in the scene."""
     elements = [mount.element for mount in extras.mounted]
     elements += [element for section in extras.scene for element in section.inside()]
-    yield from (element.name for element in elements if element.tag == "camera")
+    yield from (element.name for element in elements if element.tag == tag)
 
 
 def _check_names(

@@ -35,8 +35,8 @@ BOX_DIGITS = 4
 class MountedSensors:
     """A maker of sensors on frames and links, which collects their `sites` and `cameras`.
 
-    `fused`: the links that are sites on other bodies in the MJCF; `camera_places`: name of each other camera
-    → where it is defined.
+    `fused`: the links that are sites on other bodies in the MJCF; `site_names`: the sites that only the MJCF
+    has; `camera_places`: name of each other camera → where it is defined.
     """
 
     def __init__(
@@ -44,6 +44,7 @@ class MountedSensors:
         robot: Robot,
         geometry: Geometry,
         fused: Collection[str],
+        site_names: Collection[str],
         camera_places: Mapping[str, str],
         log: Diagnostics,
     ) -> None:
@@ -54,7 +55,7 @@ class MountedSensors:
         self._mounts = mounts_of(robot)
         self._links_as_sites = {WORLD, *fused}
         self._camera_places = camera_places
-        self._taken = set(self._mounts)
+        self._taken = {*self._mounts, *site_names}
         self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
         self._log = log
 

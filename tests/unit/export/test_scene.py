@@ -20,7 +20,7 @@ from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.geom_form import GeomForm
 from linkwright.stages.robot.model.poses import from_parts, rotation_from_rpy
 from linkwright.stages.robot.model.robot import Frame, frozen
-from tests.support.mjcfs import body, rebuilt, written
+from tests.support.mjcfs import body, built, rebuilt, written
 from tests.support.mjcfs import model as mjcf
 from tests.support.mujoco_schema import schema
 from tests.support.robots import at, joint, robot_with
@@ -225,3 +225,12 @@ def test_floor_has_another_name_if_a_collider_has_its_name(tmp_path):
     robot = robot_with([joint("revolute", "base", "arm")], shapes={"arm": (foot,)})
     model = scene_of(robot, tmp_path)
     assert model.geom("floor_2").type[0] == mujoco.mjtGeom.mjGEOM_PLANE
+
+
+def test_collider_has_another_name_than_a_geom_of_the_scene(tmp_path):
+    cup = body("cup", '<freejoint/><geom name="arm_collision" size="0.1"/>', pos="1 0 1")
+    arm = body("arm", '<joint axis="0 1 0"/><geom size="0.1"/>', pos="0 0 1")
+    _, failed = built(written(tmp_path, mjcf(cup + arm)), tmp_path / "out")
+    assert not failed
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/scene.xml"))
+    assert model.geom("arm_collision_2").bodyid == model.body("arm").id

@@ -373,6 +373,16 @@ def test_name_that_only_the_mjcf_has_is_taken(sensor, words, tmp_path):
     assert words in found.message
 
 
+def test_site_of_a_sensor_has_another_name_than_a_site_of_the_scene(tmp_path):
+    cup = body("cup", '<freejoint/><site name="balance"/>', pos="1 0 1")
+    world = cup + body("arm", '<joint name="lift" axis="0 1 0"/>', pos="0 0 1")
+    files = rebuilt(
+        written(tmp_path, mjcf(world)), sensors={"balance": {"type": "imu", "frame": "arm"}}
+    ).files
+    model = mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), files)
+    assert model.site("balance_2").bodyid == model.body("arm").id
+
+
 if __name__ == "__main__":
     made = {
         title: {"keys": golden["keys"], "elements": elements(of_golden(golden["keys"]))}
