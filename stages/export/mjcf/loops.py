@@ -58,7 +58,7 @@ class Carrier:
     """The link to which the carrier is welded."""
 
     carried_from_carrier: Array
-    """(4, 4). The carrier's frame is the loop's frame on the link `carried`."""
+    """The carrier's frame (4, 4) on the link `carried`: the loop's frame on that link."""
 
     def pose(self, start: Configuration) -> Array:
         """Returns parent_from_carrier (4, 4) at the values `start`."""
@@ -183,7 +183,7 @@ def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
 
 
 def _point_on_axis(link_from_frame: Array, loop: Loop) -> Array:
-    """Returns the frame (4, 4) of a hinge, moved along its axis by the lever of the loop."""
+    """Returns link_from_point (4, 4): the frame of a hinge, moved along its axis by the lever of the loop."""
     link_from_point = np.array(link_from_frame)
     (dof,) = loop.dofs
     # The direction is that of the mate: the sign with which the user counts must not move the point.

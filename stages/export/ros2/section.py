@@ -34,19 +34,20 @@ class Ros2FormatSection(FormatSection):
     files = ("ros2/*",)
 
     package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
-    """Its name, and that of its folder in `ros2/`; null: `<name>_description`."""
+    """Name of the package and of its folder in `ros2/`; null: `<name>_description`."""
 
     version: Annotated[Text, AfterValidator(_as_version), example("1.0.0")] = "0.0.0"
-    """Its version."""
+    """Version of the package."""
 
     maintainer: Annotated[Text, example("Ada Lovelace")] = "TODO"
-    """Who maintains it. The defaults are those of `ros2 pkg create`."""
+    """Name of the maintainer. The default, and those of `email` and `license`, are those of `ros2 pkg
+    create`."""
 
     email: Annotated[Text, AfterValidator(_as_address), example("ada@example.com")] = "user@todo.todo"
-    """The maintainer's address."""
+    """Email address of the maintainer."""
 
     license: Annotated[Text, example("Apache-2.0")] = "TODO: License declaration"
-    """Its license."""
+    """License of the package."""
 
     moveit: bool = True
-    """Whether there is a second package beside it, `<name>_moveit_config`, for MoveIt, with the SRDF."""
+    """Whether a second package with the SRDF, for MoveIt, is written beside it: `<name>_moveit_config`."""

@@ -60,8 +60,8 @@ class MountedSensors:
         self._log = log
 
     def sensors(self, name: str, keys: "SensorSection") -> Iterator[Sensor]:
-        """Yields the sensors of an entry. Yields nothing if an error is found, which the log then has
-        (E-FRAME, E-SENSOR)."""
+        """Yields the sensors of an entry. Reports frames and links that do not exist (E-FRAME) and impossible
+        sensors (E-SENSOR), and yields no sensors for these."""
         mount = self._mount(keys.frame or name, f"sensors.{name}.frame")
         if mount is None:
             return
@@ -94,6 +94,7 @@ class MountedSensors:
         return replace(sensor, name_of_target=site)
 
     def _mount(self, name: str, where: str) -> Mount | None:
+        """Returns the frame or link of this name; None if it does not exist, which is reported."""
         if name not in self._mounts:
             report_unknown_mount(name, where, self._mounts, self._log)
         return self._mounts.get(name)

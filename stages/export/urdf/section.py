@@ -28,8 +28,8 @@ class UrdfFormatSection(FormatSection):
 
     fixed_joints: Literal["keep", "merge"] = "keep"
     """Links on fixed joints. keep: they stay links; merge: each becomes part of its parent, with its mass,
-    inertia and shapes, except for links that are fixed to a link `world`. Frames are always links on fixed
-    joints."""
+    inertia and shapes, except for links that are fixed to a link `world`. Frames are links on fixed joints in
+    both cases."""
 
     frame_inertia: Literal["none", "tiny"] = "none"
     """The inertial of links without mass: frames, and both sides of a loop. none: no inertial; tiny: 1e-12 kg
