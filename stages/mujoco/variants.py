@@ -42,8 +42,11 @@ def misfit(model: Any, variants: Variants) -> str:
     if not valid.all() or not ((geom_places >= 0) & (geom_places < model.body_geomnum[bodies])).all():
         return "geom_bodyid and geom_in_body"
     for field, values in variants.fields.items():
-        field_of_model = getattr(model, field, None)
-        if field_of_model is None or field_of_model[_rows(model, variants, field)].shape != values.shape[1:]:
+        array = getattr(model, field, None)
+        # The file may name anything of the model, and have arrays of any shape.
+        if not isinstance(array, np.ndarray) or values.ndim < 2:
+            return field
+        if array[_rows(model, variants, field)].shape != values.shape[1:]:
             return field
     return ""
 
@@ -66,4 +69,4 @@ def _rows(model: Any, variants: Variants, field: str) -> Any:
     scene has more geoms on the world."""
     if field.startswith("geom_"):
         return model.body_geomadr[variants.geom_bodyid] + variants.geom_in_body
-    return slice(len(variants.fields[field][0]))
+    return slice(variants.fields[field].shape[1])

@@ -1,15 +1,18 @@
 """MuJoCo's models: compiled or refused, their included files, and their states at keyframes."""
 
 import mujoco
+import numpy as np
 import pytest
 
 from linkwright.stages.formats.mjcf.controls import control_count
+from linkwright.stages.formats.variants import Variants
 from linkwright.stages.formats.xml import parse, to_bytes
 from linkwright.stages.mujoco.compile import NotCompiled, compiled_file, compiled_text
 from linkwright.stages.mujoco.fields import general_attributes
 from linkwright.stages.mujoco.includes import replace_includes
 from linkwright.stages.mujoco.names import OBJ, actuator_count, controls_of, count_of
 from linkwright.stages.mujoco.state import at_keyframe, keyframe_index
+from linkwright.stages.mujoco.variants import misfit, names_in, places
 from linkwright.stages.validate.simulate.noise import control_ranges
 
 WRONG = b'<mujoco><worldbody><geom type="mesh" mesh="lost"/></worldbody></mujoco>'
@@ -124,3 +127,21 @@ def test_state_is_that_of_the_keyframe_and_else_qpos0():
     assert [keyframe_index(model, name) for name in ("up", "home", "lost")] == [0, 1, -1]
     assert [at_keyframe(model, name).qpos[0] for name in ("up", "home", "lost")] == [1, 0.5, 0]
     assert at_keyframe(model).ctrl[0] == 0.25
+
+
+@pytest.mark.parametrize(("field", "values", "expected"), [
+    ("body_mass", np.ones((3, 2)), ""),
+    ("body_mass", np.ones((0, 2)), ""),
+    ("body_mass", np.ones((3, 9)), "body_mass"),
+    ("body_mass", np.ones(3), "body_mass"),
+    ("geom_friction", np.ones((3, 1, 3)), ""),
+    ("geom_friction", np.ones(3), "geom_friction"),
+    ("nbody", np.ones((3, 2)), "nbody"),
+    ("lost", np.ones((3, 2)), "lost"),
+])  # fmt: skip
+def test_variants_fit_if_each_array_has_the_shape_of_its_field(field, values, expected):
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><body><joint/><geom size="1"/></body></worldbody></mujoco>'
+    )
+    variants = Variants(0, "", names_in(model), model.geom_bodyid.copy(), places(model), {field: values})
+    assert misfit(model, variants) == expected
