@@ -13,7 +13,7 @@ class _Colliders:
     """The place of a link's collision shapes among those of its holder."""
 
     holder: str
-    first: int
+    start: int
     """Index of the link's first collision shape among those of its holder."""
     count: int
     """Number of the link's collision shapes."""
@@ -56,39 +56,43 @@ def _excludes(
     order = {holder: index for index, holder in enumerate(totals)}
     by_holders: dict[tuple[str, str], Exclude] = {}
     for exclude in geometry.excludes:
-        a, b = colliders[exclude.link_a], colliders[exclude.link_b]
-        if a.holder == b.holder:
+        first, second = colliders[exclude.link_a], colliders[exclude.link_b]
+        if first.holder == second.holder:
             continue
-        pairs = exclude.geoms or product(range(a.count), range(b.count))
-        geom_pairs = {(a.first + i, b.first + j) for i, j in pairs}
-        if order[a.holder] > order[b.holder]:
-            a, b, geom_pairs = b, a, {(j, i) for i, j in geom_pairs}
-        previous = by_holders.get((a.holder, b.holder))
+        pairs = exclude.geoms or product(range(first.count), range(second.count))
+        geom_pairs = {(first.start + i, second.start + j) for i, j in pairs}
+        if order[first.holder] > order[second.holder]:
+            first, second, geom_pairs = second, first, {(j, i) for i, j in geom_pairs}
+        holders = (first.holder, second.holder)
+        previous = by_holders.get(holders)
         if previous is not None:
             geom_pairs |= set(previous.geoms)
             exclude = replace(exclude, reason=previous.reason, depth=max(exclude.depth, previous.depth))
-        by_holders[a.holder, b.holder] = Exclude(
-            a.holder, b.holder, exclude.reason, exclude.depth, tuple(sorted(geom_pairs))
+        by_holders[holders] = Exclude(
+            *holders, exclude.reason, exclude.depth, geoms=tuple(sorted(geom_pairs))
         )
     merged = []
-    for (a_name, b_name), exclude in sorted(
-        by_holders.items(), key=lambda item: [order[name] for name in item[0]]
+    for holders, exclude in sorted(
+        by_holders.items(), key=lambda item: [order[holder] for holder in item[0]]
     ):
-        pair_count = totals[a_name] * totals[b_name]
-        if exclude.geoms or not pair_count:
-            merged.append(replace(exclude, geoms=()) if len(exclude.geoms) == pair_count else exclude)
+        pair_count = totals[holders[0]] * totals[holders[1]]
+        if len(exclude.geoms) == pair_count:
+            # All pairs of shapes, or no shapes at all: whole links.
+            merged.append(replace(exclude, geoms=()))
+        elif exclude.geoms:
+            merged.append(exclude)
     return tuple(merged)
 
 
 def _touching(
     geometry: Geometry, colliders: dict[str, _Colliders], totals: dict[str, int]
 ) -> tuple[Touch, ...]:
+    """Returns the touching pairs of holders, each with the largest penetration of their links."""
     order = {holder: index for index, holder in enumerate(totals)}
     depths: dict[tuple[str, str], float] = {}
     for touch in geometry.touching:
-        a, b = sorted(
-            (colliders[link].holder for link in (touch.link_a, touch.link_b)), key=order.__getitem__
-        )
-        if a != b:
-            depths[a, b] = max(touch.depth, depths.get((a, b), 0.0))
-    return tuple(Touch(a, b, depth) for (a, b), depth in depths.items())
+        holders = {colliders[touch.link_a].holder, colliders[touch.link_b].holder}
+        if len(holders) == 2:
+            first, second = sorted(holders, key=order.__getitem__)
+            depths[first, second] = max(touch.depth, depths.get((first, second), 0.0))
+    return tuple(Touch(first, second, depth) for (first, second), depth in depths.items())

@@ -91,9 +91,14 @@ def _moved_joint(joint: Joint, holder_of: Holders) -> Joint:
 
 
 def _moved_loop(loop: Loop, holder_of: Holders) -> Loop:
-    (a, a_pose), (b, b_pose) = holder_of[loop.link_a], holder_of[loop.link_b]
-    frames = frozen(a_pose @ loop.a_from_frame), frozen(b_pose @ loop.b_from_frame)
-    return replace(loop, link_a=a, link_b=b, a_from_frame=frames[0], b_from_frame=frames[1])
+    (holder_a, pose_a), (holder_b, pose_b) = holder_of[loop.link_a], holder_of[loop.link_b]
+    return replace(
+        loop,
+        link_a=holder_a,
+        link_b=holder_b,
+        a_from_frame=frozen(pose_a @ loop.a_from_frame),
+        b_from_frame=frozen(pose_b @ loop.b_from_frame),
+    )
 
 
 def _moved_frame(frame: Frame, holder_of: Holders) -> Frame:

@@ -51,10 +51,10 @@ class Actuator:
     sources: tuple[tuple[str, str], ...] = ()
     """(parameter, origin of its value) for the parameters that the motor gives."""
 
-    def moves(self, dof: str) -> str:
-        """Returns the kind of the actuator's own motion, before the gear, if it drives a dof of the kind
-        `dof`. A motor of the library turns even if the dof slides."""
-        return "turn" if self.motor else dof
+    def moves(self, dof_kind: str) -> str:
+        """Returns the kind of the actuator's own motion, before the gear, if it drives a dof of this kind. A
+        motor of the library turns even if the dof slides."""
+        return "turn" if self.motor else dof_kind
 
     def force_at(self, keyframe: str) -> float:
         """Returns the force [N m or N] at the dof that holds the robot in this keyframe; 0 if `holds` lacks

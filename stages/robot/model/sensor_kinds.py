@@ -46,12 +46,12 @@ LENGTHS: Mapping[str, tuple[str, str]] = {"turn": ("rad", "N m"), "slide": ("m",
 """Kind of dof → units of its value and of its force."""
 
 
-def unit_of(kind: str, dof: str) -> str | None:
-    """Returns the unit of a sensor; None if it is unknown. `kind`: the sensor's element; `dof`: the kind of
-    its dof, "" without a dof."""
-    if kind in _FIXED_UNITS:
-        return _FIXED_UNITS[kind]
-    if not kind.startswith(("joint", "actuator")) or dof not in LENGTHS:
+def unit_of(element: str, dof_kind: str) -> str | None:
+    """Returns the unit of a sensor; None if it is unknown. `element`: the sensor's element of MJCF;
+    `dof_kind`: the kind of its dof, "" without a dof."""
+    if element in _FIXED_UNITS:
+        return _FIXED_UNITS[element]
+    if not element.startswith(("joint", "actuator")) or dof_kind not in LENGTHS:
         return None
-    value, force = LENGTHS[dof]
-    return _UNITS_BY_ENDING[kind[-3:]].format(value, force=force)
+    value, force = LENGTHS[dof_kind]
+    return _UNITS_BY_ENDING[element[-3:]].format(value, force=force)

@@ -27,9 +27,9 @@ def legal_name(text: str) -> str:
     the first.
     """
     text, suffix = _instance(text)
-    plain = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()[:MAX_LETTERS].rstrip("_")
-    return plain + suffix if plain else ""
+    letters = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
+    letters = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_").lower()[:MAX_LETTERS].rstrip("_")
+    return letters + suffix if letters else ""
 
 
 def plain(text: str) -> str:
@@ -71,16 +71,13 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken_names: Iterable[st
         owners: dict[str, list[str]] = {}
         for key, tail in tails.items():
             owners.setdefault(tail, []).append(key)
-        crowded = [
-            key
-            for tail, keys in owners.items()
-            if len(keys) > 1
-            for key in keys
-            if depth[key] < len(words[key])
+        # Keys with the same tail take a further word of their path, if there is any.
+        lengthened = [
+            key for keys in owners.values() if len(keys) > 1 for key in keys if depth[key] < len(words[key])
         ]
-        if not crowded:
+        if not lengthened:
             break
-        for key in crowded:
+        for key in lengthened:
             depth[key] += 1
     names: dict[str, str] = {}
     for tail in sorted(owners):
