@@ -29,6 +29,9 @@ _DISABLED_CONSTRAINTS = int(
 )
 """Kinds of constraints that are not needed here, and are left out of the Jacobian."""
 
+_JOINT_TRANSMISSIONS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+"""The transmissions of actuators that drive a joint."""
+
 
 @dataclass(slots=True)
 class EqualitySolver:
@@ -83,7 +86,8 @@ def jacobian_and_errors(model: Any, data: Any, pose: Array) -> tuple[Array, Arra
 
 def swept_joints(model: Any, pose: Array) -> list[int]:
     """Returns the hinges, and the slides that have limits. Of joints that equalities couple, only the driven
-    joints are returned, or, if none is driven, those that follow no relation."""
+    joints are returned, or, if none is driven, those that follow no relation. A joint is driven by an
+    actuator of its own. `pose` (nq,): where the coupling is tested."""
     scalar_joints = [
         joint
         for joint in range(model.njnt)
@@ -93,9 +97,11 @@ def swept_joints(model: Any, pose: Array) -> list[int]:
         return scalar_joints
     jacobian, _ = jacobian_and_errors(model, mujoco.MjData(model), pose)
     coupled_dofs = np.abs(jacobian).max(axis=0, initial=0.0) > MIN_COLUMN_ENTRY
-    driven = {int(joint) for joint in model.actuator_trnid[:, 0]} if model.nu else set()
+    # The target of any other actuator is not a joint, but for example a tendon.
+    drives_joint = np.isin(model.actuator_trntype, _JOINT_TRANSMISSIONS)
+    driven_joints = {int(joint) for joint in model.actuator_trnid[drives_joint, 0]}
     relations = model.eq_type == mujoco.mjtEq.mjEQ_JOINT
     followers = {int(joint) for joint in model.eq_obj1id[relations]}
     coupled_joints = {joint for joint in scalar_joints if coupled_dofs[model.jnt_dofadr[joint]]}
-    independent = (coupled_joints & driven) or (coupled_joints - followers)
+    independent = (coupled_joints & driven_joints) or (coupled_joints - followers)
     return [joint for joint in scalar_joints if joint not in coupled_joints or joint in independent]

@@ -131,6 +131,9 @@ def test_of_a_loop_the_driven_joints_are_swept_else_all():
     assert names(FOUR_BAR) == ["crank"]
     undriven = FOUR_BAR[: FOUR_BAR.index("<actuator>")] + "</mujoco>"
     assert names(undriven) == ["crank", "rod", "rocker"]
+    tendon = '<tendon><fixed name="cable"><joint joint="rocker" coef="1"/></fixed></tendon>'
+    by_tendon = f'{tendon}<actuator><position tendon="cable"/></actuator></mujoco>'
+    assert names(undriven.replace("</mujoco>", by_tendon)) == ["crank", "rod", "rocker"]
     assert names(ball_and_post(1.0)) == ["arm", "post"]
     assert names(ball_and_post(1.0, GEAR)) == ["arm"]
 
