@@ -16,26 +16,27 @@ from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE
 
 ATTRIBUTES = ("friction", "condim", "solref", "solimp", "solmix", "priority", "margin", "gap")
 
-_BARE = b'<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+_DEFAULT_GEOM_MJCF = b'<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
 
 
 @functools.cache
-def _default() -> Any:
-    return compiled_text(_BARE, {})
+def _model_of_defaults() -> Any:
+    """Returns a model with a single geom, whose contact properties are MuJoCo's defaults."""
+    return compiled_text(_DEFAULT_GEOM_MJCF, {})
 
 
 def contact_differences(
     model: Any, geom: int, element: str, properties: ContactProperties | None, set_by_user: Collection[str]
 ) -> Iterator[Finding]:
-    """Yields the differences of a geom. `set_by_user`: attributes that the user's own XML sets, which are not
-    compared."""
+    """Yields the differences of a geom from `properties`; those that are not given, or all for None, must be
+    MuJoCo's defaults. `set_by_user`: attributes that the user's own XML sets, which are not compared."""
     values = {} if properties is None else properties.given()
     for attribute in ATTRIBUTES:
         field = f"geom_{attribute}"
         if attribute in set_by_user or not hasattr(model, field):
             continue
         value = getattr(model, field)[geom]
-        expected = values.get(attribute, getattr(_default(), field)[0])
+        expected = values.get(attribute, getattr(_model_of_defaults(), field)[0])
         if not np.allclose(value, expected, rtol=ENGINE_TOLERANCE, atol=ENGINE_TOLERANCE):
             yield differs(element, attribute, value, expected)
 

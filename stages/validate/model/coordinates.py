@@ -88,32 +88,32 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
         for dof in joint.dofs:
             value = q[dof.name]
             if isinstance(value, tuple):
-                numbers |= _numbers(model, data, robot, joint, dof, value, urdf)
+                numbers |= _qpos_numbers(model, data, robot, joint, dof, value, urdf)
             else:
                 numbers[dof.name] = [value]
     for loop in robot.loops:
         numbers |= {dof.name: [value] for dof in loop.dofs if not isinstance(value := q[dof.name], tuple)}
     for name, _, _ in joints_of(robot, urdf):
-        part = numbers[name]
-        first = int(model.jnt_qposadr[joint_index(model, name)])
-        data.qpos[first : first + len(part)] = part
+        joint_numbers = numbers[name]
+        qpos_index = int(model.jnt_qposadr[joint_index(model, name)])
+        data.qpos[qpos_index : qpos_index + len(joint_numbers)] = joint_numbers
     mujoco.mj_kinematics(model, data)
 
 
-def _numbers(
+def _qpos_numbers(
     model: Any, data: Any, robot: Robot, joint: Joint, dof: Dof, value: tuple[float, ...], urdf: bool
 ) -> dict[str, list[float]]:
     """Maps the model's joints of a ball or a free dof to their numbers in qpos. `data` is at qpos0."""
     # A free joint's value is relative to the root's pose at qpos0.
-    place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
+    world_from_joint = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
     pose = motion(dof.kind, dof.axis, value)
     if dof.kind == "free":
-        return {dof.name: free_joint_numbers(place @ pose)}
+        return {dof.name: free_joint_numbers(world_from_joint @ pose)}
     if urdf:
         angles = turns_from_rotation(pose[:3, :3])
         return {name: [angle] for name, angle in zip(urdf_names(robot).turns[dof.name], angles, strict=True)}
-    start = inverse(place) @ link_pose(model, data, robot, joint.child)
-    return {dof.name: list(quat_from_rotation(start[:3, :3].T @ pose[:3, :3]))}
+    joint_from_child = inverse(world_from_joint) @ link_pose(model, data, robot, joint.child)
+    return {dof.name: list(quat_from_rotation(joint_from_child[:3, :3].T @ pose[:3, :3]))}
 
 
 def free_joint_numbers(pose: Array) -> list[float]:

@@ -55,22 +55,24 @@ def expected_mass_properties(link: Link, massless_inertial: Inertial | None = No
     if massless_inertial is not None and not link.inertial.mass > 0:
         inertial = massless_inertial
     if inertial is not None:
-        return _of_inertial(inertial)
-    return merged([moved(_of_inertial(part.inertial), part.link_from_part) for part in link.parts])
+        return _from_inertial(inertial)
+    return merge(
+        [express_in_frame(_from_inertial(part.inertial), part.link_from_part) for part in link.parts]
+    )
 
 
-def _of_inertial(inertial: Inertial) -> MassProperties:
+def _from_inertial(inertial: Inertial) -> MassProperties:
     return MassProperties(inertial.mass, inertial.com, inertial.inertia)
 
 
-def moved(properties: MassProperties, a_from_b: Array) -> MassProperties:
-    """Returns mass properties in the frame b, expressed in the frame a."""
+def express_in_frame(properties: MassProperties, a_from_b: Array) -> MassProperties:
+    """Returns mass properties in the frame a that are given in the frame b."""
     rotation = a_from_b[:3, :3]
     com = rotation @ properties.com + a_from_b[:3, 3]
     return MassProperties(properties.mass, com, rotation @ properties.inertia @ rotation.T)
 
 
-def merged(bodies: Sequence[MassProperties]) -> MassProperties:
+def merge(bodies: Sequence[MassProperties]) -> MassProperties:
     """Returns the mass properties of several bodies together, all in the same frame.
 
     Sums the second-moment matrices S = ∫ x xᵀ dm = ½ tr(I) 1 − I + m c cᵀ about the common centre of mass,

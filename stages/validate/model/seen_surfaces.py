@@ -85,6 +85,7 @@ class SeenSurfaces:
         return points.min(axis=0), points.max(axis=0)
 
     def _holds(self, outer: int, outer_from_inner: Array, inner: int) -> bool:
+        """Tells whether the closed surface of a body contains another body."""
         # The surfaces do not intersect, so that a single corner tells for the whole inner body.
         corner = outer_from_inner[:3, :3] @ self._triangles(inner)[0][0] + outer_from_inner[:3, 3]
         low, high = self.box(outer)
@@ -92,6 +93,7 @@ class SeenSurfaces:
         return inside and abs(winding(*self._triangles(outer), corner)) > MIN_WINDING
 
     def _triangles(self, body: int) -> tuple[Array, Faces]:
+        """Returns the corners (n, 3) [m] of all visual shapes of a body, in its frame, and faces (m, 3)."""
         if body not in self._surfaces:
             surfaces = [surface(self.model, geom) for geom in self.seen[body]]
             starts = np.cumsum([0, *(len(points) for points, _ in surfaces[:-1])])
@@ -107,13 +109,14 @@ class SeenSurfaces:
         return self._meshes[body]
 
 
-def winding(points: Array, faces: Faces, at: Array) -> float:
-    """Returns the winding number of triangles around a point: 1 in a solid, 0 outside, and between these in
-    an open shell. It sums the solid angles of the triangles (Van Oosterom and Strackee, 1983)."""
-    a, b, c = (points[faces] - at).swapaxes(0, 1)
+def winding(points: Array, faces: Faces, point: Array) -> float:
+    """Returns the winding number of triangles around a point (3,): 1 in a solid, 0 outside, and between these
+    in an open shell. It sums the solid angles of the triangles (Van Oosterom and Strackee, 1983)."""
+    a, b, c = (points[faces] - point).swapaxes(0, 1)
     x, y, z = (np.linalg.norm(side, axis=1) for side in (a, b, c))
     ab, bc, ca = (np.einsum("ij,ij->i", *sides) for sides in ((a, b), (b, c), (c, a)))
     above = np.einsum("ij,ij->i", a, np.cross(b, c))
+    # Half of each solid angle: its tangent is (a · b × c) / (xyz + …).
     return float(np.arctan2(above, x * y * z + ab * z + bc * x + ca * y).sum()) / (2.0 * np.pi)
 
 
@@ -125,6 +128,7 @@ def surface(model: Any, geom: int) -> tuple[Array, Faces]:
 
 
 def _local_surface(model: Any, geom: int) -> tuple[Array, Faces]:
+    """Returns the corners (n, 3) of a geom in its own frame, and its triangles (m, 3)."""
     kind, size = model.geom_type[geom], model.geom_size[geom]
     if kind == MESH:
         mesh = int(model.geom_dataid[geom])
@@ -144,17 +148,20 @@ def _local_surface(model: Any, geom: int) -> tuple[Array, Faces]:
     return points * (size if kind == ELLIPSOID else size[0]), faces
 
 
-def _surface_of_revolution(outline: Array, turns: int) -> tuple[Array, Faces]:
+def _surface_of_revolution(outline: Array, corner_count: int) -> tuple[Array, Faces]:
     """Returns the surface of revolution of an outline (k, 2) of radii and heights, from one end of the z axis
-    to the other."""
-    angles = (np.arange(turns) + 0.5) * (2.0 * np.pi / turns)
+    to the other. `corner_count`: the number of corners around the axis."""
+    angles = (np.arange(corner_count) + 0.5) * (2.0 * np.pi / corner_count)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    rings = [np.column_stack([radius * circle, np.full(turns, height)]) for radius, height in outline]
-    at = np.arange(turns)
-    after = (at + 1) % turns
+    rings = [np.column_stack([radius * circle, np.full(corner_count, height)]) for radius, height in outline]
+    corners = np.arange(corner_count)
+    next_corners = (corners + 1) % corner_count
     faces = []
     for ring, (low, high) in enumerate(pairwise(outline[:, 0])):
-        a, b, c, d = (row + step * turns for step in (ring, ring + 1) for row in (at, after))
+        # The corners of a row of quadrilaterals: a, b on the lower ring, c, d above them.
+        a, b, c, d = (
+            row + step * corner_count for step in (ring, ring + 1) for row in (corners, next_corners)
+        )
         # A ring with radius 0 is a single point, so that one of the two triangles has no area.
         faces += [np.column_stack([a, b, d])] if low > 0.0 else []
         faces += [np.column_stack([a, d, c])] if high > 0.0 else []

@@ -17,7 +17,7 @@ from linkwright.stages.validate.compiled import CompiledModel
 from linkwright.stages.validate.findings import link, named
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, joints_of, root_pose, site_pose
 from linkwright.stages.validate.model.equalities import carriers, ends, equality_index, sites
-from linkwright.stages.validate.model.mass_properties import MassProperties, merged
+from linkwright.stages.validate.model.mass_properties import MassProperties, merge
 from linkwright.stages.validate.read.mujoco import ReadCompiled
 from linkwright.stages.validate.same.read_robot import (
     AttributeNames,
@@ -97,7 +97,7 @@ class ReadMjcf(ReadCompiled):
     def mass_properties(self, link: str) -> MassProperties:
         """Returns the mass properties of the link's body and of the carriers that hold part of its mass."""
         carried = [self.body_mass_properties(body, pose) for body, pose in self._carriers.get(link, [])]
-        return merged([super().mass_properties(link), *carried])
+        return merge([super().mass_properties(link), *carried])
 
     def joints(self) -> Iterator[FoundJoint]:
         extras = (self.robot.mjcf or NO_EXTRAS).attributes_of("joint")

@@ -17,7 +17,7 @@ from linkwright.stages.validate.model.coordinates import (
     root_pose,
     set_values,
 )
-from linkwright.stages.validate.model.mass_properties import MassProperties, moved
+from linkwright.stages.validate.model.mass_properties import MassProperties, express_in_frame
 from linkwright.stages.validate.model.poses import placed
 from linkwright.stages.validate.same.read_robot import Poses, ReadRobot
 
@@ -77,7 +77,9 @@ class ReadCompiled(ReadRobot):
         model = self.model
         axes = placed(model.body_iquat[body], model.body_ipos[body])
         tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T
-        return moved(MassProperties(float(model.body_mass[body]), axes[:3, 3], tensor), link_from_body)
+        return express_in_frame(
+            MassProperties(float(model.body_mass[body]), axes[:3, 3], tensor), link_from_body
+        )
 
     def mass_properties(self, link: str) -> MassProperties:
         place = inverse(body_from_link(self.robot, link))

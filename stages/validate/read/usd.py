@@ -123,29 +123,31 @@ class ReadUsd(ReadRobot):
         """Computes the poses from the joints; bodies without a joint are where the file puts them. Frames
         have their own check."""
         values = {self.names.joints[dof.name]: (dof, q[dof.name]) for dof in self.robot.dofs}
-        above = self._above()
+        tree_joints = self._tree_joints()
         world_poses: dict[str, Array] = {}
         for body in self.usd.bodies:
             path = [body]
             # A cycle of joints must end somewhere.
-            while path[-1] in above and path[-1] not in world_poses and len(path) <= len(above):
-                path.append(above[path[-1]][1].first)
+            while path[-1] in tree_joints and path[-1] not in world_poses and len(path) <= len(tree_joints):
+                path.append(tree_joints[path[-1]][1].first)
             for member in reversed(path):
                 if member in world_poses:
                     continue
-                if member not in above:
+                if member not in tree_joints:
                     world_poses[member] = self.usd.bodies[member].world_from_body
                     continue
-                name, joint = above[member]
+                name, joint = tree_joints[member]
                 moved = self._joint_motion(joint, *values[name]) if name in values else np.eye(4)
                 parent = world_poses.get(joint.first, np.full((4, 4), np.nan))
                 world_poses[member] = (
                     parent @ joint.first_from_joint @ moved @ inverse(joint.second_from_joint)
                 )
-        from_root = inverse(world_poses[self.names.links[self.robot.root.name]])
-        return Poses({name: from_root @ world_poses[body] for name, body in self.names.links.items()}, {})
+        root_from_world = inverse(world_poses[self.names.links[self.robot.root.name]])
+        return Poses(
+            {name: root_from_world @ world_poses[body] for name, body in self.names.links.items()}, {}
+        )
 
-    def _above(self) -> dict[str, tuple[str, ReadUsdJoint]]:
+    def _tree_joints(self) -> dict[str, tuple[str, ReadUsdJoint]]:
         """Maps each body to the joint of the tree that holds it, with its name."""
         joints = self.usd.joints.items()
         return {joint.second: (name, joint) for name, joint in joints if joint.first and not joint.closes}
@@ -160,10 +162,10 @@ class ReadUsd(ReadRobot):
         return from_parts(turned.T @ relative @ turned, np.zeros(3))
 
     def parent(self, link: str) -> str:
-        names, above = {title: name for name, title in self.names.links.items()}, self._above()
+        names, tree_joints = {title: name for name, title in self.names.links.items()}, self._tree_joints()
         title, steps = self.names.links[link], 0
-        while title in above and (title not in names or not steps) and steps <= len(above):
-            title, steps = above[title][1].first, steps + 1
+        while title in tree_joints and (title not in names or not steps) and steps <= len(tree_joints):
+            title, steps = tree_joints[title][1].first, steps + 1
         return names.get(title, "") if steps else ""
 
     def joints(self) -> Iterator[FoundJoint]:
@@ -199,7 +201,7 @@ class ReadUsd(ReadRobot):
 
     def _frees(self, joint: ReadUsdJoint, loop: Loop) -> bool:
         """Tells whether a general joint frees the same motions as the loop, within its limits."""
-        expected = {_freed(dof): _ends(dof) for dof in loop.dofs}
+        expected = {_free_motion(dof): _range_along_frame(dof) for dof in loop.dofs}
         return joint.free_ranges.keys() == expected.keys() and all(
             # The tolerance of an infinite limit would be infinite.
             end == limit or (isfinite(limit) and abs(end - limit) <= SINGLE_PRECISION * max(1.0, abs(limit)))
@@ -216,21 +218,21 @@ class ReadUsd(ReadRobot):
         yield self._placement()
         scene = written.scene if robot.root.name != "world" else None
         place = dict(scene.keyframes).get(HOME) if scene is not None else None
-        of_model = (
+        model_findings = (
             *usd.flaws,
             *articulation_findings(usd, robot, names),
             *placement_findings(usd, robot, names, place),
             *motion_findings(usd, robot, names, written.geometry),
         )
         detail = "articulation, place, self-collision and pairs of bodies that do not collide"
-        yield self.result_of("model", detail, of_model)
+        yield self.result_of("model", detail, model_findings)
         drives = drives_of(robot, written.actuation, self.file_configuration)
         detail = "resistance, largest speed, state, drive and relations of each joint, and MuJoCo's actuators"
-        of_drives = (
+        drive_findings = (
             *driving_findings(usd, robot, names, drives, self.file_configuration),
             *actuator_findings(usd.actuators, robot, names, written.actuation.actuators),
         )
-        yield self.result_of("drives", detail, of_drives)
+        yield self.result_of("drives", detail, drive_findings)
         detail = "frames and cameras on their bodies"
         yield self.result_of("frames", detail, place_findings(usd, robot, names, written.sensing))
         if written.geometry is not None:
@@ -246,10 +248,10 @@ class ReadUsd(ReadRobot):
         placed_bodies = {
             name: self.usd.bodies[title].world_from_body for name, title in self.names.links.items()
         }
-        from_root, worst, worst_link = inverse(placed_bodies[self.robot.root.name]), 0.0, ""
+        root_from_world, worst, worst_link = inverse(placed_bodies[self.robot.root.name]), 0.0, ""
         size = max(1.0, *(float(np.abs(pose[:3, 3]).max()) for pose in expected.values()))
         for link, pose in expected.items():
-            value = distance(from_root @ placed_bodies[link], pose, unresolved=ARC_COSINE) / size
+            value = distance(root_from_world @ placed_bodies[link], pose, unresolved=ARC_COSINE) / size
             if value > worst:
                 worst, worst_link = value, link
         # `worst` is relative to the size.
@@ -262,11 +264,11 @@ class ReadUsd(ReadRobot):
 check_file = partial(run_checks, ReadUsd)
 
 
-def _ends(dof: Dof) -> tuple[float, float]:
+def _range_along_frame(dof: Dof) -> tuple[float, float]:
     """Returns the range [m or rad] along the axis of the frame, which may be opposite to the dof's axis."""
     return dof.limits.mapped(1 if dof.axis.sum() > 0 else -1).interval
 
 
-def _freed(dof: Dof) -> tuple[str, str]:
+def _free_motion(dof: Dof) -> tuple[str, str]:
     """Returns the motion that a general joint frees for the dof."""
     return "rot" if dof.kind == "turn" else "trans", "XYZ"[int(np.abs(dof.axis).argmax())]
