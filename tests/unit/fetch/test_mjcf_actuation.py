@@ -50,6 +50,15 @@ def names_of(model, kind, count):
     return [getattr(model, kind)(index).name for index in range(count)]
 
 
+def test_actuator_without_a_gear_stays_in_the_mjcf_alone(tmp_path):
+    servo = '<actuator><position name="idle" joint="a" kp="10" gear="0"/></actuator>'
+    path = written(tmp_path, text(servo))
+    assert robot_of(path).actuators == ()
+    now = compiled(rebuilt(path))
+    assert names_of(now, "actuator", now.nu) == ["idle"]
+    assert now.actuator_gear[0][0] == 0
+
+
 def test_actuators_and_sensors_have_their_parameters(path):
     was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     assert names_of(now, "actuator", now.nu) == ["spin", "push", "b", "lag", "bent", "creep", "again"]
