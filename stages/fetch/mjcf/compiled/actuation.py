@@ -34,7 +34,7 @@ _DEFAULT_PARAMETERS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "bias
 
 def carried_actuators(model: Any, robot_bodies: Collection[int]) -> tuple[int, ...]:
     """Returns the numbers of the actuators that our model can have: those of hinges and slides of the bodies
-    `robot_bodies`, of a known type. An actuator without a gear moves nothing, and no control holds its joint."""
+    `robot_bodies`, of a known type, with a gear other than 0."""
     return tuple(
         index for index in range(len(model.actuator_trntype)) if _is_carried_over(model, index, robot_bodies)
     )
@@ -50,6 +50,7 @@ def _is_carried_over(model: Any, index: int, robot_bodies: Collection[int]) -> b
     has_known_words = all(_word(model, index, name) is not None for name in _WORDS_OF_ATTRIBUTES)
     return (
         has_known_words
+        # Without a gear no control would hold the joint.
         and float(model.actuator_gear[index][0]) != 0.0
         and int(model.jnt_type[joint]) in _SCALAR_JOINTS
         and int(model.jnt_bodyid[joint]) in robot_bodies
