@@ -4,12 +4,12 @@ from collections.abc import Iterable, Iterator
 
 from linkwright.stages.formats.xml import Element
 
-_SECTIONS = """
+_SECTION_TEXT = """
 actuator asset compiler contact custom default deformable equality extension keyframe option sensor
 size statistic tendon visual worldbody
 """
 
-_INNER = """
+_INNER_TEXT = """
 accelerometer actuatorfrc actuatorpos actuatorvel adhesion attach ballangvel ballquat body bone
 camera camprojection clock composite config connect cylinder damper dcmotor distance e_kinetic
 e_potential edge elasticity element exclude fixed flag flex flexcomp flexstrain force frame
@@ -23,19 +23,19 @@ tendonlimitpos tendonlimitvel tendonpos tendonvel text texture torque touch tupl
 velocity weld
 """
 
-_URDF = """
+_URDF_TEXT = """
 axis calibration capsule child collision color contact_coefficients drake:compliant_hydroelastic
 dynamics gazebo geometry group_state inertial joint limit link material mimic mujoco origin parent
 ros2_control safety_controller sensor texture transmission verbose visual
 """
 
-SECTIONS = frozenset(_SECTIONS.split())
+SECTION_TAGS = frozenset(_SECTION_TEXT.split())
 """The elements below the root of an MJCF."""
 
-MJCF = SECTIONS | frozenset(_INNER.split())
+MJCF_TAGS = SECTION_TAGS | frozenset(_INNER_TEXT.split())
 """Every element of an MJCF (MuJoCo's XML reference), of all versions that are supported."""
 
-URDF = frozenset(_URDF.split())
+URDF_TAGS = frozenset(_URDF_TEXT.split())
 """Elements of a URDF, and of its usual extensions, that may be at the top of an addition to it."""
 
 _SHARED_NAMESPACES = ("actuator", "sensor", "tendon", "equality")
@@ -46,16 +46,16 @@ def language_of(elements: Iterable[Element]) -> str | None:
     """Returns the language of elements: "mjcf" if MuJoCo knows them and all in them, otherwise "urdf" if a
     URDF or an extension of it has them; None for neither. An element with a prefix counts as an extension."""
     tops = list(elements)
-    if all(str(node.tag) in MJCF for element in tops for node in element.iter()):
+    if all(str(node.tag) in MJCF_TAGS for element in tops for node in element.iter()):
         return "mjcf"
-    is_urdf = all(str(node.tag) in URDF or node.prefix or ":" in str(node.tag) for node in tops)
+    is_urdf = all(str(node.tag) in URDF_TAGS or node.prefix or ":" in str(node.tag) for node in tops)
     return "urdf" if is_urdf else None
 
 
 def unknown_tag(elements: Iterable[Element]) -> str:
     """Returns the tag of the first element that is neither of MJCF nor of URDF, or ""."""
     tags = [str(node.tag) for node in elements]
-    return next((tag for tag in tags if tag not in MJCF | URDF), "")
+    return next((tag for tag in tags if tag not in MJCF_TAGS | URDF_TAGS), "")
 
 
 def name_of(element: Element) -> str | None:
@@ -81,7 +81,7 @@ def section_of(element: Element) -> str:
     return tags[-2] if len(tags) > 1 else ""
 
 
-def names(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
+def named_elements(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
     """Yields (kind, name, element) of all elements of a document whose names must be unique.
 
     In a URDF these are links and joints: a material is named wherever it is used.

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from linkwright.stages.formats.own_xml import SECTIONS, kind_of, name_of, names, section_of
+from linkwright.stages.formats.own_xml import SECTION_TAGS, kind_of, name_of, named_elements, section_of
 from linkwright.stages.formats.xml import Element, element, parse, to_bytes
 from linkwright.stages.robot.errors import Diagnostic
 from linkwright.stages.robot.text.globs import did_you_mean, name_list
@@ -58,7 +58,7 @@ class Documents:
         """Returns the first element with a tag in the robot's file, or in the file of `role`, and that file.
         A missing section of an MJCF is added. Raises Refused if there is no other such element."""
         (document,) = self._with_role(role or "robot")
-        if self.form == "mjcf" and tag in SECTIONS:
+        if self.form == "mjcf" and tag in SECTION_TAGS:
             match = document.root.find(tag)
             match = element(document.root, tag) if match is None else match
         else:
@@ -74,7 +74,7 @@ class Documents:
             )
         if match is None:
             tags = {str(candidate.tag) for candidate in document.root.iter()}
-            tags |= SECTIONS if self.form == "mjcf" else set()
+            tags |= SECTION_TAGS if self.form == "mjcf" else set()
             text = f"{document.path} has no element <{tag}>"
             raise Refused(text, where, _near(tag, tags) or f"its elements are: {name_list(tags)}")
         return document, match
@@ -84,7 +84,7 @@ class Documents:
         return {
             (kind, name): (document.path, node)
             for document in self.files
-            for kind, name, node in names(document.root, self.form == "urdf")
+            for kind, name, node in named_elements(document.root, self.form == "urdf")
         }
 
     def contents(self) -> Iterator[tuple[str, bytes]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.amend.documents import Documents, Refused, XmlFile, in_words
 from linkwright.stages.formats.numbers import number
-from linkwright.stages.formats.own_xml import language_of, names, unknown_tag
+from linkwright.stages.formats.own_xml import language_of, named_elements, unknown_tag
 from linkwright.stages.formats.xml import Element, Malformed, element, fragment
 from linkwright.stages.robot.model.amendments import Amendment
 from linkwright.stages.robot.text.globs import name_list
@@ -54,7 +54,7 @@ class Insertion:
     ) -> None:
         added_ids = {id(node) for added_element in added for node in added_element.iter()}
         seen: set[tuple[str, str]] = set()
-        for kind, name, node in names(document.root, urdf):
+        for kind, name, node in named_elements(document.root, urdf):
             if id(node) not in added_ids or not _has_unique_name(node):
                 continue
             if (kind, name) in taken:

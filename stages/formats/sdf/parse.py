@@ -1,4 +1,4 @@
-"""Parses SDF text to an `SdfModel`: as far as this product writes SDF, and strict about the rest.
+"""Parses SDF text to an `SdfModel`: the elements that this product writes, and strict about the rest.
 
 Poses are resolved as SDF 1.9 says: `relative_to` names a link, joint or frame; without it a link is in the
 model's frame, a joint in that of its child, a frame in the frame that it is attached to. Elements that are
@@ -29,6 +29,7 @@ VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
 """The versions of SDF in which names and poses mean the same."""
 
 TYPES = ("fixed", "continuous", "revolute", "prismatic", "ball")
+"""The types of joints that are read."""
 
 MODEL = "__model__"
 """The name of the model's own frame."""
@@ -61,9 +62,9 @@ class _Reader:
         self._kinds = {kind: _named(top, kind) for kind in ("link", "joint", "frame")}
         self._elements: dict[str, Element] = {}
         for nodes in self._kinds.values():
-            twice = sorted(set(nodes) & set(self._elements))
-            if twice:
-                raise SdfError(f"two things are named {twice[0]!r}")
+            shared_names = sorted(set(nodes) & set(self._elements))
+            if shared_names:
+                raise SdfError(f"two things are named {shared_names[0]!r}")
             self._elements |= nodes
         tags = [tag for tag in _NOT_READ if top.find(tag) is not None]
         if tags:
@@ -92,6 +93,7 @@ class _Reader:
         )
 
     def _link_named(self, name: str) -> str:
+        """Returns the name. Raises SdfError if there is no link of this name."""
         if name not in self._kinds["link"]:
             raise SdfError(f"there is no link {name!r}")
         return name
@@ -135,23 +137,24 @@ class _Reader:
 
     def _link(self, name: str, node: Element) -> SdfLink:
         inertial = required_element(node, "inertial")
-        axes = pose_of(inertial.find("pose"))
+        link_from_inertial = pose_of(inertial.find("pose"))
         entries = {
             key: number(inertial, f"inertia/{key}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
         }
         rows = [["ixx", "ixy", "ixz"], ["ixy", "iyy", "iyz"], ["ixz", "iyz", "izz"]]
         tensor = np.array([[entries[key] for key in row] for row in rows])
-        turned = axes[:3, :3] @ tensor @ axes[:3, :3].T
-        body = Inertial(number(inertial, "mass"), frozen(axes[:3, 3]), frozen(turned))
-        place = self._place(name)
+        rotation = link_from_inertial[:3, :3]
+        tensor_in_link = rotation @ tensor @ rotation.T
+        com = link_from_inertial[:3, 3]
+        model_from_link = self._place(name)
 
-        def link_from(other: str) -> Array:
-            return inverse(place) @ self._place(other)
+        def link_from(frame: str) -> Array:
+            return inverse(model_from_link) @ self._place(frame)
 
         return SdfLink(
             name,
-            frozen(place),
-            body,
+            frozen(model_from_link),
+            Inertial(number(inertial, "mass"), frozen(com), frozen(tensor_in_link)),
             shapes_of(node, "visual", link_from),
             shapes_of(node, "collision", link_from),
             falls=truth(node, "gravity", unless=True),
@@ -160,9 +163,9 @@ class _Reader:
         )
 
     def _joint(self, name: str, node: Element) -> ReadJoint:
-        type_, parent = str(node.get("type")), str(required_element(node, "parent").text)
-        if type_ not in TYPES:
-            raise SdfError(f"the type {type_} of the joint {name!r} is not read")
+        kind, parent = str(node.get("type")), str(required_element(node, "parent").text)
+        if kind not in TYPES:
+            raise SdfError(f"the type {kind} of the joint {name!r} is not read")
         if parent != WORLD:
             self._link_named(parent)
         child = self._link_named(str(required_element(node, "child").text))
@@ -176,9 +179,9 @@ class _Reader:
             effort=bound(node, "axis/limit/effort"),
             velocity=bound(node, "axis/limit/velocity"),
         )
-        place = frozen(self._place(name))
-        turned = None if axis is None else frozen(numbers(axis, 3))
-        return ReadJoint(name, type_, parent, child, place, turned, limits, dynamics, _mimic(node))
+        pose = frozen(self._place(name))
+        direction = None if axis is None else frozen(numbers(axis, 3))
+        return ReadJoint(name, kind, parent, child, pose, direction, limits, dynamics, _mimic(node))
 
 
 def _named(top: Element, tag: str) -> Mapping[str, Element]:

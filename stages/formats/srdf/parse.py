@@ -71,10 +71,10 @@ class Srdf:
 
     enabled: tuple[tuple[str, str], ...]
     left_out: tuple[str, ...]
-    """The unread content, in words."""
+    """The content that is not read, in words."""
 
 
-READ = frozenset(
+_READ_TAGS = frozenset(
     (
         "group",
         "group_state",
@@ -90,13 +90,14 @@ READ = frozenset(
 
 
 def parse_srdf(data: bytes) -> Srdf:
-    """Returns the content of a text. Raises Malformed if it is not an SRDF."""
+    """Returns the content of an SRDF. Raises Malformed if it is not XML, its root is not <robot>, or it has
+    too many elements."""
     root = parse(data)
     if tag(root) != "robot":
         raise Malformed("its root element is not <robot>")
     if sum(1 for _ in root.iter()) > MAX_ELEMENTS:
         raise Malformed(f"it has more than {MAX_ELEMENTS} elements")
-    unread = Counter(tag(node) for node in root if tag(node) not in READ)
+    unread = Counter(tag(node) for node in root if tag(node) not in _READ_TAGS)
     left_out = [f"<{name}>" + (f" ({number} times)" if number > 1 else "") for name, number in unread.items()]
     states = [_state(node, left_out) for node in root.iterchildren("group_state")]
     return Srdf(
@@ -142,6 +143,7 @@ def _group(node: Element) -> SrdfGroup:
 
 
 def _state(node: Element, left_out: list[str]) -> SrdfState:
+    """Returns a pose of a group. Values that are not numbers are added to `left_out`."""
     name, group = _texts(node, "name", "group")
     values = []
     for joint in node.iterchildren("joint"):
@@ -156,6 +158,7 @@ def _state(node: Element, left_out: list[str]) -> SrdfState:
 
 
 def _numbers(text: str) -> tuple[float, ...]:
+    """Returns the finite numbers in a text; () if it has anything else."""
     try:
         numbers = tuple(float(word) for word in text.split())
     except ValueError:
@@ -164,8 +167,10 @@ def _numbers(text: str) -> tuple[float, ...]:
 
 
 def _names(node: Element, kind: str) -> tuple[str, ...]:
+    """Returns the names of the elements of this tag in an element."""
     return tuple(str(inner.get("name", "")) for inner in node.iterchildren(kind))
 
 
 def _texts(node: Element, *keys: str) -> tuple[str, ...]:
+    """Returns the attributes of an element, "" for those that are missing."""
     return tuple(str(node.get(key, "")) for key in keys)

@@ -24,7 +24,7 @@ class Material:
     """The file name of the image, or ""."""
 
 
-_NOTHING = Material(None, "")
+_NO_MATERIAL = Material(None, "")
 
 
 class Materials:
@@ -34,22 +34,22 @@ class Materials:
         self._log = log
         self._material_of: dict[Element, Material] = {}
         self._material_by_name: dict[str, Material] = {}
-        self._doubtful: set[str] = set()
+        self._ambiguous_names: set[str] = set()
         for element in robot.iter("{*}material"):
             if tag(element.getparent()) in ("robot", "visual"):
                 self._define(element)
 
-    def of(self, element: Element | None) -> Material:
+    def meant_by(self, element: Element | None) -> Material:
         """Returns the material that a visual's <material> means: its own, or else the material that it
         names."""
-        material = _NOTHING if element is None else self._material_of[element]
+        material = _NO_MATERIAL if element is None else self._material_of[element]
         name = "" if element is None else element.get("name", "")
-        if material != _NOTHING or not name:
+        if material != _NO_MATERIAL or not name:
             return material
         if name not in self._material_by_name:
             self._log.report("W-URDF-MATERIAL", element, f'there is no material "{name}"')
-        if name in self._doubtful:
-            self._doubtful.discard(name)
+        if name in self._ambiguous_names:
+            self._ambiguous_names.discard(name)
             msg = (
                 f'material "{name}" is defined several times; here, where it is only named, the first counts'
             )
@@ -66,12 +66,17 @@ class Materials:
         )
         self._material_of[element] = material
         name = element.get("name", "")
-        if name and material != _NOTHING and self._material_by_name.setdefault(name, material) != material:
-            self._doubtful.add(name)
+        if (
+            name
+            and material != _NO_MATERIAL
+            and self._material_by_name.setdefault(name, material) != material
+        ):
+            self._ambiguous_names.add(name)
 
     def _colour(self, element: Element) -> Colour | None:
         self._log.count_left_out(element, (), ("rgba",))
         text = (element.get("rgba") or "").replace(",", " ").split()
+        # Some files leave out alpha.
         channels = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._log)
         if channels is None:
             return None
@@ -91,7 +96,7 @@ def visuals(link: Element, materials: Materials, log: FileDiagnostics) -> tuple[
     for element in link:
         if tag(element) == "visual":
             log.count_left_out(element, ("origin", "geometry", "material"), ("name",))
-            material = materials.of(child(element, "material", log))
+            material = materials.meant_by(child(element, "material", log))
             shapes += [
                 replace(shape, colour=material.colour, texture=material.texture)
                 for shape in _shape(element, log)
@@ -115,19 +120,19 @@ def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
     W-URDF-SHAPE)."""
     geometry = child(element, "geometry", log)
     place = pose(element, log)
-    known_shapes = (
+    shapes = (
         [node for node in geometry if tag(node) in _SIZES or tag(node) == "mesh"]
         if geometry is not None
         else []
     )
     if geometry is not None:
         log.count_left_out(geometry, (*_SIZES, "mesh"), ())
-    if not known_shapes:
+    if not shapes:
         log.report("W-URDF-SHAPE", element, f"<{tag(element)}> has no known shape: left out")
         return []
-    if len(known_shapes) > 1:
-        log.report("W-URDF-TWICE", known_shapes[1], "<geometry> has several shapes; the first counts")
-    shape = known_shapes[0]
+    if len(shapes) > 1:
+        log.report("W-URDF-TWICE", shapes[1], "<geometry> has several shapes; the first counts")
+    shape = shapes[0]
     kind = cast(UrdfShapeKind, tag(shape))
     size: tuple[float, ...] | None
     if kind == "mesh":
@@ -146,12 +151,15 @@ def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
 
 
 def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, float, float]]:
+    """Returns the file name and the scale of a <mesh>; the name is "" if it is missing (reports E-URDF-MESH)
+    or a scale is 0 (reports E-URDF-NUMBER)."""
     log.count_left_out(element, (), ("filename", "scale"))
     filename = element.get("filename", "").strip()
     if not filename:
         log.report("E-URDF-MESH", element, 'a <mesh> needs filename="…"')
-    several = len((element.get("scale") or "").replace(",", " ").split()) != 1
-    factors = numbers(element, "scale", 3 if several else 1, log) or (1.0,)
+    # A single number scales all three axes.
+    is_uniform = len((element.get("scale") or "").replace(",", " ").split()) == 1
+    factors = numbers(element, "scale", 1 if is_uniform else 3, log) or (1.0,)
     x, y, z = factors if len(factors) == 3 else factors * 3
     if 0.0 in (x, y, z):
         log.report("E-URDF-NUMBER", element, f'<mesh scale="{x:g} {y:g} {z:g}">: no scale may be 0')
@@ -159,17 +167,17 @@ def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, flo
     return filename, (x, y, z)
 
 
-def _box(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+def _box_size(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
     log.count_left_out(element, (), ("size",))
     return _extents(element, log, numbers(element, "size", 3, log), "size")
 
 
-def _ball(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+def _sphere_size(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
     log.count_left_out(element, (), ("radius",))
     return _extents(element, log, numbers(element, "radius", 1, log), "radius")
 
 
-def _round(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+def _round_size(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
     log.count_left_out(element, (), ("radius", "length"))
     radius, length = number(element, "radius", log), number(element, "length", log)
     size = None if radius is None or length is None else (radius, length)
@@ -179,7 +187,7 @@ def _round(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
 def _extents(
     element: Element, log: FileDiagnostics, size: tuple[float, ...] | None, attribute: str
 ) -> tuple[float, ...] | None:
-    """Returns a shape's size; None if it is missing or negative (reports E-URDF-SHAPE)."""
+    """Returns a shape's `size` [m]; None if it is missing or negative (reports E-URDF-SHAPE)."""
     if size is None or min(size) < 0:
         log.report("E-URDF-SHAPE", element, f"<{tag(element)}> needs a {attribute} that is not negative")
         return None
@@ -187,8 +195,8 @@ def _extents(
 
 
 _SIZES: Mapping[str, Callable[[Element, FileDiagnostics], tuple[float, ...] | None]] = {
-    "box": _box,
-    "sphere": _ball,
-    "cylinder": _round,
-    "capsule": _round,
+    "box": _box_size,
+    "sphere": _sphere_size,
+    "cylinder": _round_size,
+    "capsule": _round_size,
 }

@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 
 from linkwright.stages.formats import xml
+from linkwright.stages.formats.urdf.transmissions import REDUCTION_TAGS
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.model.dofs import AS_THE_MATE, MateValue
-
-_REDUCTION_TAGS = ("mechanicalReduction", "mechanical_reduction")
 
 
 def with_counts(text: str, counts: Mapping[str, MateValue]) -> str:
@@ -73,7 +72,7 @@ def _reverse_reduction(joint: Element) -> None:
     places = [joint]
     if sum(tag(node) == "joint" for node in transmission) == 1:
         places += [*(node for node in transmission if tag(node) == "actuator"), transmission]
-    reduction = next((node for place in places for node in place if tag(node) in _REDUCTION_TAGS), None)
+    reduction = next((node for place in places for node in place if tag(node) in REDUCTION_TAGS), None)
     if reduction is None:
         reduction = xml.element(joint, "mechanical_reduction")
         reduction.text = "1"

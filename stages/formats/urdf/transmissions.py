@@ -8,9 +8,12 @@ from linkwright.stages.formats.urdf.elements import number
 from linkwright.stages.formats.urdf.model import Transmission
 from linkwright.stages.formats.xml import Element, tag
 
+REDUCTION_TAGS = ("mechanicalReduction", "mechanical_reduction")
+"""Tags of a reduction, by style."""
+
 
 def transmissions(element: Element, log: FileDiagnostics) -> list[Transmission]:
-    """Returns the transmissions of a <transmission>, one for each of its joints.
+    """Returns the transmissions of a <transmission>, an entry for each of its joints.
 
     The older style has the type in an attribute and the reduction next to the joint, the newer both in
     elements of their own. ros2_control has the type in <plugin> and the reduction in the joint.
@@ -35,7 +38,7 @@ def controlled(element: Element, log: FileDiagnostics) -> list[Transmission]:
     entries = []
     for node in element:
         if tag(node) == "joint":
-            commands = [each.get("name", "") for each in node if tag(each) == "command_interface"]
+            commands = [inner.get("name", "") for inner in node if tag(inner) == "command_interface"]
             if commands:
                 name = element.get("name", "")
                 entries.append(Transmission(name, node.get("name", ""), plugin, 1.0, tuple(commands)))
@@ -95,14 +98,17 @@ def _text(element: Element, name: str) -> str:
 
 
 def _interfaces(element: Element) -> tuple[str, ...]:
+    """Returns the hardware interfaces in a joint or an actuator."""
     return tuple((node.text or "").strip() for node in element if tag(node) == "hardwareInterface")
 
 
 def _reduction(places: tuple[Element, ...], log: FileDiagnostics) -> float:
-    """Returns the first reduction in these elements; 1 without any."""
+    """Returns the first reduction in these elements; 1 without any, and if it is 0 or not a number (reports
+    E-URDF-NUMBER)."""
     for place in places:
         for node in place:
-            if tag(node) in ("mechanicalReduction", "mechanical_reduction"):
+            if tag(node) in REDUCTION_TAGS:
+                # `number` reads attributes.
                 node.set("value", (node.text or "").strip())
                 return number(node, "value", log) or 1.0
     return 1.0

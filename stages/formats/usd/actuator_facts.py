@@ -96,7 +96,7 @@ def _force_law(actuator: Actuator) -> tuple[dict[str, str], dict[str, tuple[floa
 
 
 def _source_range(actuator: Actuator, name: str) -> tuple[float, float] | None:
-    """Returns a range that the source gives for the actuator; None if it gives none."""
+    """Returns the range in an attribute of the source's actuator; None without the attribute."""
     text = dict(actuator.terms).get(name)
     if text is None:
         return None

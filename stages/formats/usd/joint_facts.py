@@ -14,6 +14,7 @@ from linkwright.stages.formats.usd.drives import UNLIMITED, Drive
 from linkwright.stages.robot.model.robot import Dof, Relation
 
 DEGREES = 180.0 / math.pi
+"""A radian in degrees."""
 
 MUJOCO = "mjc:"
 """Namespace of MuJoCo's attributes, whose numbers are uniform and in double precision."""
@@ -36,6 +37,7 @@ class JointFacts:
     """The relationships, by name, to the joint of another dof."""
 
     def __or__(self, other: "JointFacts") -> "JointFacts":
+        """Returns the properties of both, those of `other` in the place of equal names."""
         return JointFacts(
             (*self.schemas, *other.schemas),
             {**self.numbers, **other.numbers},
@@ -58,10 +60,10 @@ def drive_name(dof: Dof) -> str:
 def resistance(dof: Dof) -> JointFacts:
     """Returns armature, damping, friction and largest speed, in the attributes of Newton, of both PhysX
     schemas, and of MuJoCo; MuJoCo's attributes include the largest force."""
-    return _of_newton_and_physx(dof) | _of_mujoco(dof)
+    return _newton_and_physx_resistance(dof) | _mujoco_resistance(dof)
 
 
-def _of_mujoco(dof: Dof) -> JointFacts:
+def _mujoco_resistance(dof: Dof) -> JointFacts:
     dynamics = dof.dynamics
     values = {"armature": dynamics.armature, "damping": dynamics.damping, "frictionloss": dynamics.friction}
     if dof.kind != "ball" and dynamics.effort is not None:
@@ -70,7 +72,7 @@ def _of_mujoco(dof: Dof) -> JointFacts:
     return JointFacts(("MjcJointAPI",), numbers)
 
 
-def _of_newton_and_physx(dof: Dof) -> JointFacts:
+def _newton_and_physx_resistance(dof: Dof) -> JointFacts:
     dynamics = dof.dynamics
     scale = 1.0 if dof.kind == "slide" else DEGREES
     damping, velocity = dynamics.damping, dynamics.velocity
@@ -143,4 +145,5 @@ def joint_mimic(relation: Relation, follower: Dof, driver: Dof, axes: tuple[str,
 
 
 def _rounded(value: float, least: float) -> float:
+    """Rounds a number as the other formats do; `least`: the smallest scale (see `formats.numbers`)."""
     return float(number(value, least=least))

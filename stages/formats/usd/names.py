@@ -12,6 +12,8 @@ class UsdNames:
     """Names in the robot → names of prims."""
 
     robot: str
+    """The name of the root prim."""
+
     links: Mapping[str, str]
     joints: Mapping[str, str]
     """Names of the dofs of joints and loops; of joints and loops without dofs, their own names."""
@@ -38,7 +40,7 @@ def usd_names(robot: Robot) -> UsdNames:
     links = identifiers(link.name for link in robot.links)
     joints = identifiers(name for chain in chains for name in joints_of(chain))
     siblings = set(links.values())
-    between = {chain.name: tuple(_added(chain, siblings)) for chain in chains}
+    between = {chain.name: tuple(_names_between(chain, siblings)) for chain in chains}
     scopes = {}
     for name in ("joints", "materials", "actuators"):
         scopes[name] = free_name(name, siblings)
@@ -61,7 +63,7 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, st
 
 
 def identifier(name: str) -> str:
-    """Returns the name in [A-Za-z0-9_], without a digit first."""
+    """Returns a name in [A-Za-z0-9_] that does not begin with a digit: the same name, if it is such a name."""
     legal = plain(name)
     return f"_{legal}" if legal[0].isdigit() else legal
 
@@ -73,7 +75,8 @@ def joints_of(chain: Joint | Loop) -> list[str]:
     return [*names, chain.name] if not names or (isinstance(chain, Loop) and len(names) > 1) else names
 
 
-def _added(chain: Joint | Loop, siblings: set[str]) -> Iterator[str]:
+def _names_between(chain: Joint | Loop, siblings: set[str]) -> Iterator[str]:
+    """Yields free names of the links between the dofs of a chain, and adds them to `siblings`."""
     for count in range(1, len(chain.dofs)):
         name = free_name(f"{identifier(chain.name)}_{count}", siblings)
         siblings.add(name)

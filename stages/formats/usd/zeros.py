@@ -9,10 +9,11 @@ _TURN_TOLERANCE = 1e-12
 
 
 def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
-    """Returns the zeros of ball joints that differ from the robot's.
+    """Returns, by dof, the values at which the zeros of ball joints are in the USD, as far as they differ from
+    the robot's.
 
-    These are at `home`, since engines know only the state of turns and slides, and start every ball at its
-    zero. Balls with cones keep the robot's zero, as the middle of a cone must stay.
+    They are the values at `home`: engines know only the state of turns and slides, and start every ball at
+    its zero. Balls with cones keep the robot's zero, as the middle of a cone must stay.
     """
     balls = [dof for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is None]
     return {dof.name: home[dof.name] for dof in balls if is_turned(home[dof.name])}

@@ -3,7 +3,7 @@ name."""
 
 from collections.abc import Iterator
 
-from linkwright.stages.formats.own_xml import name_of, names
+from linkwright.stages.formats.own_xml import name_of, named_elements
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import Finding
 from linkwright.stages.validate.reading.documents import ModelDocument, stem, title_of
@@ -45,7 +45,7 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
 
 
 def _named_elements(root: Element, urdf: bool) -> Iterator[tuple[str, str, Element]]:
-    yield from names(root, urdf)
+    yield from named_elements(root, urdf)
     if not urdf:
         for element in root.iterfind("asset/*"):
             if element.tag in ASSETS and not element.get("name") and element.get("file"):

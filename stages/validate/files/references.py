@@ -4,7 +4,7 @@ bodies."""
 from collections.abc import Iterator
 from difflib import get_close_matches
 
-from linkwright.stages.formats.own_xml import names, section_of
+from linkwright.stages.formats.own_xml import named_elements, section_of
 from linkwright.stages.formats.xml import Element, tag
 from linkwright.stages.robot.check import CheckLevel, Finding
 from linkwright.stages.validate.files.names import ASSETS
@@ -60,7 +60,7 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
 
 
 def _urdf_names(document: ModelDocument, kind: str) -> set[str]:
-    return {name for other, name, _ in names(document.root, True) if other == kind}
+    return {name for other, name, _ in named_elements(document.root, True) if other == kind}
 
 
 def _joint_findings(document: ModelDocument) -> Iterator[Finding]:
@@ -113,7 +113,7 @@ def _names_by_kind(root: Element) -> dict[str, set[str]]:
     """Returns the names of an MJCF by kind, with those that MuJoCo gives: `world`, `main`, and names of
     assets."""
     by_kind: dict[str, set[str]] = {"body": {"world"}, "default": {"main"}}
-    for kind, name, _ in names(root, False):
+    for kind, name, _ in named_elements(root, False):
         by_kind.setdefault(kind, set()).add(name)
     for element in root.iterfind("asset/*"):
         if element.tag in ASSETS and not element.get("name"):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from linkwright.stages.formats.own_xml import MJCF, SECTIONS, language_of, unknown_tag
+from linkwright.stages.formats.own_xml import MJCF_TAGS, SECTION_TAGS, language_of, unknown_tag
 from linkwright.stages.formats.xml import Malformed, fragment, to_text
 from tests.support.mujoco_schema import schema
 
@@ -59,9 +59,9 @@ def test_fault_is_described_without_a_word_of_the_text(text, place):
 
 def test_every_element_of_mujoco_is_known():
     places = {where for where, _ in schema() if where}
-    assert {tag for where in places for tag in where} <= MJCF
-    assert {where[0] for where in places} - {"body"} <= SECTIONS
-    assert {"sensor", "worldbody"} <= SECTIONS
+    assert {tag for where in places for tag in where} <= MJCF_TAGS
+    assert {where[0] for where in places} - {"body"} <= SECTION_TAGS
+    assert {"sensor", "worldbody"} <= SECTION_TAGS
 
 
 @pytest.mark.parametrize(("text", "language"), [
