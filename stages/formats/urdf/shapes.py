@@ -66,12 +66,10 @@ class Materials:
         )
         self._material_of[element] = material
         name = element.get("name", "")
-        if (
-            name
-            and material != _NO_MATERIAL
-            and self._material_by_name.setdefault(name, material) != material
-        ):
-            self._ambiguous_names.add(name)
+        if name and material != _NO_MATERIAL:
+            first_material = self._material_by_name.setdefault(name, material)
+            if first_material != material:
+                self._ambiguous_names.add(name)
 
     def _colour(self, element: Element) -> Colour | None:
         self._log.count_left_out(element, (), ("rgba",))

@@ -63,7 +63,7 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, st
 
 
 def identifier(name: str) -> str:
-    """Returns a name in [A-Za-z0-9_] that does not begin with a digit: the same name, if it is such a name."""
+    """Returns a name in [A-Za-z0-9_] that does not begin with a digit: `name` itself if it is such a name."""
     legal = plain(name)
     return f"_{legal}" if legal[0].isdigit() else legal
 

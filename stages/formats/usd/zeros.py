@@ -9,8 +9,8 @@ _TURN_TOLERANCE = 1e-12
 
 
 def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
-    """Returns, by dof, the values at which the zeros of ball joints are in the USD, as far as they differ from
-    the robot's.
+    """Returns, by dof, the values at which ball joints have their zeros in the USD, if these differ from the
+    robot's zeros.
 
     They are the values at `home`: engines know only the state of turns and slides, and start every ball at
     its zero. Balls with cones keep the robot's zero, as the middle of a cone must stay.
