@@ -125,7 +125,7 @@ def _check_file(tool: Tool, run_folder: Path, file_name: str, environ: Mapping[s
         opinion = use.read_opinion(output, reports)
     except NoVerdict as error:
         return _no_verdict_check(name, str(error))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         return _no_verdict_check(name, f"its output cannot be read ({type(error).__name__})")
     return _opinion_check(name, opinion)
 

@@ -138,8 +138,10 @@ NO_RESULT = "print('Asset: x\\n  [ERROR] Validation produced no result for profi
         ("simcheck", "print('[]')", "none", "no verdict"),
         ("simcheck", "print('oops')", "none", "no verdict"),
         ("simcheck", "os.abort()", "none", "no verdict"),
+        ("simready", "json.dump([1], open(sys.argv[sys.argv.index('--output') + 1], 'w'))", "none",
+         "no verdict: its output cannot be read (AttributeError)"),
     ],
-    ids=range(9),
+    ids=range(10),
 )  # fmt: skip
 def test_verdict_is_that_of_the_report(folder, path, tmp_path, tool, code, level, words):
     """ "none": no verdict, which is an error."""
