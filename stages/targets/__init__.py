@@ -8,7 +8,7 @@
   way.
 - readers: Lists, in one table, what other programs read of our files, and what they do with the rest.
 - row: Defines a row of the table of readers.
-- section: Configuration of the targets: the engines whose limits the files keep.
+- section: Defines the configuration of the targets: the engines whose limits the files keep.
 - things: Finds the things in a robot that some readers drop, by the table of readers.
 - versions: Lists the elements and attributes of MJCF that a version of MuJoCo added or removed.
 """

@@ -1,79 +1,85 @@
 """Lists what MuJoCo, MJX and MuJoCo Warp read of our files: their rows of the table of readers."""
 
-from linkwright.stages.targets.row import ReaderRow, rows
+from linkwright.stages.targets.row import ReaderRow, measured_rows
 
-_DAY, _TODAY = "2026-11-23", "2026-11-27"
-_MJX = "https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py"
-_MJWARP = "https://github.com/google-deepmind/mujoco_warp#mujoco-api-compatibility"
+_NOV_23, _NOV_27 = "2026-11-23", "2026-11-27"
+"""Days of the measurements."""
+
+_MJX_MESH_SOURCE = "https://github.com/google-deepmind/mujoco/blob/3.17.0/mjx/mujoco/mjx/_src/mesh.py"
+_MJWARP_README = "https://github.com/google-deepmind/mujoco_warp#mujoco-api-compatibility"
 
 POSITION_FOR_PID = (
     "a build for it has a `position` servo with the same force, where there is neither `ki` nor `slewmax`"
 )
 """What a build has in place of pid servos."""
 
-SLOWER = "slower than in MuJoCo 4.0 while at the limit of their force: implicitfast keeps their damping"
+SLOWER_AT_LIMIT = (
+    "slower than in MuJoCo 4.0 while at the limit of their force: implicitfast keeps their damping"
+)
 """What other versions do with servos at the limit of their force."""
 
 MUJOCO_READERS: tuple[ReaderRow, ...] = (
-    *rows(
+    *measured_rows(
         "MuJoCo",
         "4.0",
         "urdf",
-        _DAY,
+        _NOV_23,
         ("velocity", "stated", "dropped"),
         ("loops", "stated", "left open, as a URDF has none: it reads them from an MJCF"),
     ),
-    *rows(
+    *measured_rows(
         "MuJoCo",
         "4.0",
         "urdf",
-        _TODAY,
+        _NOV_27,
         (
             "visuals in GLB",
             "stated",
             "dropped: our URDF with such visuals says `discardvisual`, without which the file is refused",
         ),
     ),
-    *rows("MuJoCo", "3.11", "urdf", _DAY, ("relations", "refused", "dropped: it reads them from an MJCF")),
-    *rows(
+    *measured_rows(
+        "MuJoCo", "3.11", "urdf", _NOV_23, ("relations", "refused", "dropped: it reads them from an MJCF")
+    ),
+    *measured_rows(
         "MuJoCo",
         "3.11",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         ("words of MuJoCo 3.16", "refused", "refuses the file"),
         ("words of MuJoCo 3.17", "refused", "refuses the file"),
         ("words of MuJoCo 4.0", "refused", "refuses the file"),
-        ("saturated servos", "stated", SLOWER),
+        ("saturated servos", "stated", SLOWER_AT_LIMIT),
     ),
-    *rows(
+    *measured_rows(
         "MuJoCo",
         "3.16",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         ("words of MuJoCo 3.17", "refused", "refuses the file"),
         ("words of MuJoCo 4.0", "refused", "refuses the file"),
-        ("saturated servos", "stated", SLOWER),
+        ("saturated servos", "stated", SLOWER_AT_LIMIT),
     ),
-    *rows(
+    *measured_rows(
         "MuJoCo",
         "3.17",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         ("words of MuJoCo 4.0", "refused", "refuses the file"),
-        ("saturated servos", "stated", SLOWER),
+        ("saturated servos", "stated", SLOWER_AT_LIMIT),
     ),
-    *rows(
+    *measured_rows(
         "MuJoCo",
         "4.0",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         ("words that MuJoCo 4.0 no longer has", "refused", "refuses the file"),
     ),
-    *rows(
+    *measured_rows(
         "MJX",
         "3.17.0",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         (
             "cylinders",
             "replaced",
@@ -134,7 +140,7 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         (
             "saturated servos",
             "stated",
-            SLOWER,
+            SLOWER_AT_LIMIT,
         ),
         ("flexes", "refused", "refuses the model"),
     ),
@@ -145,13 +151,13 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         "hulls of more than 32 vertices",
         "takes them slowly, and of a face with more than 20 corners leaves some out: a build for it has none",
         "replaced",
-        source=_MJX,
+        source=_MJX_MESH_SOURCE,
     ),
-    *rows(
+    *measured_rows(
         "MuJoCo Warp",
         "4.0.0",
         "mjcf",
-        _TODAY,
+        _NOV_27,
         (
             "pid servos",
             "replaced",
@@ -185,5 +191,7 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
         ("rigid, quadratic and self-colliding flexes", "refused", "refuses the model"),
     ),
-    ReaderRow("MuJoCo Warp", "4.0.0", "mjcf", "plug-ins", "refuses the model", "refused", source=_MJWARP),
+    ReaderRow(
+        "MuJoCo Warp", "4.0.0", "mjcf", "plug-ins", "refuses the model", "refused", source=_MJWARP_README
+    ),
 )

@@ -16,7 +16,7 @@ PASSIVE_FLAGS: Mapping[str, Thing] = {"energy": "flag energy", "fwdinv": "flag f
 REPLACEABLE_ACTUATORS: Mapping[str, Thing] = {"pid": "pid servos", "dcmotor": "motors by voltage"}
 """Type of actuator that can be written as another → the thing in the table of readers."""
 
-_STATELESS = {"motorconst", "resistance", "nominal"}
+_STATELESS_PARAMETERS = {"motorconst", "resistance", "nominal"}
 """Parameters of a motor by voltage that give it neither a state nor a limit."""
 
 
@@ -26,7 +26,7 @@ def targets_replacing(targets: Collection[str], thing: Thing) -> list[str]:
         name
         for name in targets
         if any(
-            row.reader in ENGINES[name].readers and row.thing == thing and row.met == "replaced"
+            row.reader in ENGINES[name].readers and row.thing == thing and row.response == "replaced"
             for row in READERS
         )
     ]
@@ -61,7 +61,7 @@ def _replacement(targets: Collection[str], actuator: Actuator) -> Actuator:
         return replace(actuator, type="position", terms=_without(terms, "input", "imax"))
     if (
         actuator.type == "dcmotor"
-        and set(terms) <= _STATELESS
+        and set(terms) <= _STATELESS_PARAMETERS
         and targets_replacing(targets, "motors by voltage")
     ):
         gain = torque_per_volt(actuator)

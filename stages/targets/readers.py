@@ -8,8 +8,8 @@ report of a build, and of the page `pipeline/reference/formats/READERS.md`.
 from collections.abc import Iterator
 
 from linkwright.stages.targets.engines import ENGINES
-from linkwright.stages.targets.mujoco_readers import MUJOCO_READERS, POSITION_FOR_PID, SLOWER
-from linkwright.stages.targets.row import ReaderRow, rows
+from linkwright.stages.targets.mujoco_readers import MUJOCO_READERS, POSITION_FOR_PID, SLOWER_AT_LIMIT
+from linkwright.stages.targets.row import ReaderRow, measured_rows
 
 _NOV_23, _NOV_27 = "2026-11-23", "2026-11-27"
 """Days of the measurements."""
@@ -17,24 +17,24 @@ _NOV_23, _NOV_27 = "2026-11-23", "2026-11-27"
 MUJOCO = "MuJoCo"
 """The name of MuJoCo among the readers."""
 
-_ISAAC = "https://github.com/isaac-sim/IsaacSim/issues/841"
-_ISAAC_URDF = "https://wiki.ros.org/urdf/XML/model"
-_ROS = "https://docs.ros.org/en/jazzy/p/sdformat_urdf"
-_OBJ = "refuses the file: a build for it writes meshes as OBJ"
+_ISAAC_ISSUE = "https://github.com/isaac-sim/IsaacSim/issues/841"
+_URDF_FORMAT_PAGE = "https://wiki.ros.org/urdf/XML/model"
+_ROS_PAGE = "https://docs.ros.org/en/jazzy/p/sdformat_urdf"
+_OBJ_FOR_STL = "refuses the file: a build for it writes meshes as OBJ"
 """What a reader without STL does with a mesh in STL."""
 
 READERS: tuple[ReaderRow, ...] = (
-    *rows(
+    *measured_rows(
         "Drake",
         "1.51.1",
         "urdf",
         _NOV_23,
-        ("colliders in STL", "replaced", _OBJ),
+        ("colliders in STL", "replaced", _OBJ_FOR_STL),
         ("friction", "stated", "dropped, with a warning"),
         ("effort", "stated", "dropped: without transmissions it has no actuators"),
         ("fixed base", "stated", "the root link is free until it is welded"),
     ),
-    *rows(
+    *measured_rows(
         "Drake",
         "1.51.1",
         "urdf",
@@ -43,29 +43,29 @@ READERS: tuple[ReaderRow, ...] = (
         ("loops", "stated", "left open, as a URDF has none: close them in the plant"),
         ("relations", "stated", "a plant in continuous time refuses to simulate them: give it a time step"),
     ),
-    *rows(
+    *measured_rows(
         "Drake",
         "1.51.1",
         "sdf",
         _NOV_23,
-        ("colliders in STL", "replaced", _OBJ),
+        ("colliders in STL", "replaced", _OBJ_FOR_STL),
         ("friction", "stated", "dropped silently"),
         ("loops", "refused", "refuses the file"),
         ("relations", "refused", "dropped silently: it reads them from a URDF"),
     ),
-    *rows(
+    *measured_rows(
         "Drake",
         "1.51.1",
         "mjcf",
         _NOV_23,
-        ("meshes in STL", "replaced", _OBJ),
+        ("meshes in STL", "replaced", _OBJ_FOR_STL),
         ("friction", "stated", "dropped, with a warning"),
         ("effort", "stated", "dropped, with a warning"),
         ("loops", "refused", "left open, with a warning: it has no equalities of sites"),
         ("relations", "refused", "dropped, with a warning: it reads them from a URDF"),
         ("keyframes", "stated", "dropped, with a warning"),
     ),
-    *rows(
+    *measured_rows(
         "PyBullet",
         "3.2.7",
         "urdf",
@@ -80,14 +80,14 @@ READERS: tuple[ReaderRow, ...] = (
             "gives each frame 1 kg: a build for it sets `export.urdf.frame_inertia: tiny`",
         ),
     ),
-    *rows(
+    *measured_rows(
         "PyBullet",
         "3.2.7",
         "urdf",
         _NOV_27,
         ("visuals in GLB", "refused", "refuses the file: `mesh.format: obj` or `stl`"),
     ),
-    *rows(
+    *measured_rows(
         "PyBullet",
         "3.2.7",
         "sdf",
@@ -95,14 +95,14 @@ READERS: tuple[ReaderRow, ...] = (
         ("fixed base", "refused", "refuses the file: it does not know joints to the world"),
         ("balls", "refused", "refuses the file"),
     ),
-    *rows(
+    *measured_rows(
         "PyBullet",
         "3.2.7",
         "sdf",
         _NOV_27,
         ("everything", "refused", "puts every link at the origin: it does not know `relative_to`"),
     ),
-    *rows(
+    *measured_rows(
         "PyBullet",
         "3.2.7",
         "mjcf",
@@ -110,7 +110,7 @@ READERS: tuple[ReaderRow, ...] = (
         ("everything", "refused", "nothing moves: it reads no classes of joints and geoms"),
     ),
     *MUJOCO_READERS,
-    *rows(
+    *measured_rows(
         "Pinocchio",
         "4.1.0",
         "urdf",
@@ -121,7 +121,7 @@ READERS: tuple[ReaderRow, ...] = (
             "followers move freely, unless mimic=True is given, which refuses continuous joints",
         ),
     ),
-    *rows(
+    *measured_rows(
         "Pinocchio",
         "4.1.0",
         "urdf",
@@ -138,7 +138,7 @@ READERS: tuple[ReaderRow, ...] = (
         "stated",
         source="https://github.com/ros2/rviz/pull/1482",
     ),
-    *rows(
+    *measured_rows(
         "sdformat",
         "12.3",
         "sdf",
@@ -163,9 +163,9 @@ READERS: tuple[ReaderRow, ...] = (
         "refused",
         source="https://github.com/gazebosim/gz-physics/issues/25",
     ),
-    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "loops", "refuses the file", "stated", source=_ROS),
-    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "balls", "refuses the file", "stated", source=_ROS),
-    *rows(
+    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "loops", "refuses the file", "stated", source=_ROS_PAGE),
+    ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "balls", "refuses the file", "stated", source=_ROS_PAGE),
+    *measured_rows(
         "Newton",
         "1.8.0",
         "mjcf",
@@ -193,9 +193,9 @@ READERS: tuple[ReaderRow, ...] = (
         ("cones", "refused", "dropped silently: its ball joints have no limits"),
         ("spring-dampers", "refused", "dropped silently: it has `stiffness` and `damping`"),
         ("polynomials of damping", "refused", "refuses the file"),
-        ("saturated servos", "stated", SLOWER),
+        ("saturated servos", "stated", SLOWER_AT_LIMIT),
     ),
-    *rows(
+    *measured_rows(
         "Newton",
         "1.8.0",
         "urdf",
@@ -203,7 +203,7 @@ READERS: tuple[ReaderRow, ...] = (
         ("loops", "stated", "left open, as a URDF has none: it reads them from an MJCF or a USD"),
         ("velocity", "stated", "kept in its model; its MuJoCo solver does not limit velocities"),
     ),
-    *rows(
+    *measured_rows(
         "Newton",
         "1.8.0",
         "usd",
@@ -211,14 +211,14 @@ READERS: tuple[ReaderRow, ...] = (
         ("keyframes", "stated", "starts at zero, unless SchemaResolverPhysx is given"),
         ("cones", "stated", "dropped silently"),
     ),
-    *rows(
+    *measured_rows(
         "PhysX",
         "ovphysx 0.7.0",
         "usd",
         _NOV_23,
         ("loops", "refused", "pushed at the start, or lost (NaN)"),
     ),
-    ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "dropped silently", "stated", source=_ISAAC),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "dropped silently", "stated", source=_ISAAC_ISSUE),
     ReaderRow(
         "Isaac Sim",
         "6.1.0",
@@ -226,9 +226,9 @@ READERS: tuple[ReaderRow, ...] = (
         "loops",
         "left open, as a URDF has none: it reads them from a USD",
         "stated",
-        source=_ISAAC_URDF,
+        source=_URDF_FORMAT_PAGE,
     ),
-    ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "dropped silently", "stated", source=_ISAAC),
+    ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "dropped silently", "stated", source=_ISAAC_ISSUE),
 )
 """All rows, in the order of the page."""
 

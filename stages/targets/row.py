@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Met = Literal["replaced", "refused", "stated"]
+Response = Literal["replaced", "refused", "stated"]
 """How a build for a reader responds. replaced: its files have something else, which `does` names; refused:
 the check of the target fails, and names each thing; stated: the reader leaves the thing out, and the report
 says so."""
@@ -75,7 +75,7 @@ Thing = Literal[
     "words of MuJoCo 4.0",
     "words that MuJoCo 4.0 no longer has",
 ]
-"""The things of a robot that some reader does not accept."""
+"""The things of a robot that some reader drops, refuses or treats in its own way."""
 
 _PAGE_KINDS = {"/issues/": "issues", "/blob/": "source", "/pull/": "source"}
 """Part of an address → the kind of page there."""
@@ -93,7 +93,7 @@ class ReaderRow:
     does: str
     """What the reader does with the thing, in words."""
 
-    met: Met
+    response: Response
     """How a build for the reader responds."""
 
     measured: str = ""
@@ -111,8 +111,11 @@ class ReaderRow:
         return f"read in its {page}"
 
 
-def rows(
-    reader: str, version: str, form: str, day: str, *things: tuple[Thing, Met, str]
+def measured_rows(
+    reader: str, version: str, form: str, day: str, *things: tuple[Thing, Response, str]
 ) -> tuple[ReaderRow, ...]:
-    """Returns rows of one reader and one format that were measured on the same day."""
-    return tuple(ReaderRow(reader, version, form, thing, does, met, day) for thing, met, does in things)
+    """Returns rows of one reader and one format that were measured on the same day (year-month-day).
+    `things`: (the thing, how a build responds, what the reader does)."""
+    return tuple(
+        ReaderRow(reader, version, form, thing, does, response, day) for thing, response, does in things
+    )

@@ -1,4 +1,4 @@
-"""Configuration of the targets: the engines whose limits the files keep."""
+"""Defines the configuration of the targets: the engines whose limits the files keep."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -143,7 +143,7 @@ class TargetSection(Section):
 
 
 class TargetSections(Section):
-    """What each stage that keeps the limits of engines has of the configuration."""
+    """The part of the configuration for stages that keep the limits of engines."""
 
     target: TargetSection = TargetSection()
     """Engines whose limits the files keep: what one lacks is replaced, or refused by name. A key of one

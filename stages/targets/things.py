@@ -39,7 +39,7 @@ def reader_rows_of_robot(
             "does": row.does,
             "of": names[row.thing],
             "source": row.source or row.evidence,
-            **({"target": row.met} if row in targeted else {}),
+            **({"target": row.response} if row in targeted else {}),
         }
         for row in READERS
         if row.format in formats and names.get(row.thing)

@@ -7,7 +7,7 @@ lists them.
 from collections.abc import Mapping
 
 Words = Mapping[str, tuple[str, ...]]
-"""Element → its attributes; an empty tuple stands for the element itself."""
+"""Element → its attributes; an empty tuple means the element itself."""
 
 ADDED_WORDS: Mapping[str, Words] = {
     "3.16": {

@@ -45,8 +45,8 @@ def _table(name):
 
 def _row(row):
     source = f"[{row.evidence}]({row.source})" if row.source else row.evidence
-    met = row.met if row.reader in TARGETED else ""
-    return f"| {row.reader} | {row.version} | {row.thing} | {row.does} | {met} | {source} |"
+    response = row.response if row.reader in TARGETED else ""
+    return f"| {row.reader} | {row.version} | {row.thing} | {row.does} | {response} | {source} |"
 
 
 def _whole():

@@ -59,7 +59,11 @@ def check_together(compiled: Sequence[CompiledDocument]) -> Iterator[Check]:
     for urdf in (file for file in compiled if file.document.language == "urdf"):
         mjcf = _partner(urdf, mjcfs)
         if mjcf is not None:
-            findings = (*_limits(urdf, mjcf), *_masses(urdf, mjcf), *_pose_findings(urdf, mjcf))
+            findings = (
+                *_limit_findings(urdf, mjcf),
+                *_mass_findings(urdf, mjcf),
+                *_pose_findings(urdf, mjcf),
+            )
             name = f"{urdf.document.path.name} and {mjcf.document.path.name}: one robot"
             common_joints = len(urdf.joints.keys() & mjcf.joints.keys())
             detail = (
@@ -71,6 +75,8 @@ def check_together(compiled: Sequence[CompiledDocument]) -> Iterator[Check]:
 
 
 def _partner(urdf: CompiledDocument, mjcfs: Sequence[CompiledDocument]) -> CompiledDocument | None:
+    """Returns the MJCF of the same name, else the only MJCF if it has the same joints; None without such an
+    MJCF."""
     name = urdf.document.path.stem
     namesakes = [mjcf for mjcf in mjcfs if mjcf.document.path.stem == name]
     if namesakes:
@@ -80,12 +86,13 @@ def _partner(urdf: CompiledDocument, mjcfs: Sequence[CompiledDocument]) -> Compi
     return matches[0] if len(mjcfs) == 1 and matches else None
 
 
-def _limits(urdf: CompiledDocument, mjcf: CompiledDocument) -> Iterator[Finding]:
-    in_urdf, in_mjcf = urdf.joints, mjcf.joints
-    for name in sorted(in_urdf.keys() ^ in_mjcf.keys()):
-        other_file = mjcf if name in in_urdf else urdf
+def _limit_findings(urdf: CompiledDocument, mjcf: CompiledDocument) -> Iterator[Finding]:
+    """Reports joints that only one of the files has, and joints whose ranges differ."""
+    urdf_items, mjcf_items = urdf.joints, mjcf.joints
+    for name in sorted(urdf_items.keys() ^ mjcf_items.keys()):
+        other_file = mjcf if name in urdf_items else urdf
         yield Finding(named("joint", name), "name", f"{other_file.document.path.name} has no such joint")
-    for name in sorted(in_urdf.keys() & in_mjcf.keys()):
+    for name in sorted(urdf_items.keys() & mjcf_items.keys()):
         first, second = (_range(file.model, file.joints[name]) for file in (urdf, mjcf))
         size = max(MIN_LIMIT, *map(abs, (*first, *second)))
         if np.abs(np.subtract(first, second)).max() > RELATIVE_TOLERANCE * size:
@@ -98,15 +105,16 @@ def _limits(urdf: CompiledDocument, mjcf: CompiledDocument) -> Iterator[Finding]
 
 
 def _range(model: Any, joint: int) -> tuple[float, float]:
+    """Returns the range [rad, m] of a joint; (0, 0) without limits."""
     low, high = model.jnt_range[joint]
     return (float(low), float(high)) if model.jnt_limited[joint] else (0.0, 0.0)
 
 
-def _masses(urdf: CompiledDocument, mjcf: CompiledDocument) -> Iterator[Finding]:
+def _mass_findings(urdf: CompiledDocument, mjcf: CompiledDocument) -> Iterator[Finding]:
     """Compares the masses of moving bodies, each with the mass of the bodies that are fixed to it."""
-    in_urdf, in_mjcf = _moving_masses(urdf), _moving_masses(mjcf)
-    for name in sorted(in_urdf.keys() & in_mjcf.keys()):
-        first, second = in_urdf[name], in_mjcf[name]
+    urdf_items, mjcf_items = _moving_masses(urdf), _moving_masses(mjcf)
+    for name in sorted(urdf_items.keys() & mjcf_items.keys()):
+        first, second = urdf_items[name], mjcf_items[name]
         if abs(first - second) > RELATIVE_TOLERANCE * max(first, second):
             yield Finding(
                 named("body", name), "mass", f"{first:.6g} kg in the URDF, {second:.6g} kg in the MJCF"

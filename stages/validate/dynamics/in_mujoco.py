@@ -22,12 +22,12 @@ def mujoco_dynamics(
     saved_options = model.opt.gravity.copy(), int(model.opt.disableflags)
     model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0
     try:
-        return _read(model, robot, values, speeds, vectors, urdf)
+        return _computed_dynamics(model, robot, values, speeds, vectors, urdf)
     finally:
         model.opt.gravity[:], model.opt.disableflags = saved_options
 
 
-def _read(
+def _computed_dynamics(
     model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
 ) -> tuple[TreeDynamics, Array]:
     data = mujoco.MjData(model)
@@ -40,7 +40,7 @@ def _read(
     gravity, bias, up = np.empty((count, size)), np.empty((count, size)), np.empty((count, 3))
     force = np.empty(model.nv)
     loops = {dof.name: dof.saved for loop in robot.loops for dof in loop.dofs}
-    places_of_links = _links(model, robot)
+    places_of_links = _link_pose_reader(model, robot)
     mujoco.mj_resetData(model, data)
     for index in range(count):
         if plain and not loops:
@@ -53,7 +53,9 @@ def _read(
         world_from_root = root_pose(model, data, robot)
         poses[:, index] = np.linalg.inv(world_from_root) @ places_of_links(data)
         up[index] = -world_from_root[:3, :3].T @ GRAVITY
-        mass[index] = _whole(model, data, rows) if vectors is None else _products(model, data, rows, vectors)
+        mass[index] = (
+            _mass_matrix(model, data, rows) if vectors is None else _mass_products(model, data, rows, vectors)
+        )
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, force)
         gravity[index] = force[rows]
@@ -65,7 +67,7 @@ def _read(
     return TreeDynamics(by_link, mass, gravity, bias), up
 
 
-def _whole(model: Any, data: Any, rows: Array) -> Array:
+def _mass_matrix(model: Any, data: Any, rows: Array) -> Array:
     """Returns the mass matrix (k, k) of these rows."""
     mujoco.mj_makeM(model, data)
     mass, column = np.empty((len(rows), len(rows))), np.empty(model.nv)
@@ -76,7 +78,7 @@ def _whole(model: Any, data: Any, rows: Array) -> Array:
     return mass
 
 
-def _products(model: Any, data: Any, rows: Array, vectors: Array) -> Array:
+def _mass_products(model: Any, data: Any, rows: Array, vectors: Array) -> Array:
     """Returns the products (k, v) of the mass matrix with the vectors (k, v): the forces of such
     accelerations, at rest and without gravity."""
     products, force = np.empty(vectors.shape), np.empty(model.nv)
@@ -91,7 +93,7 @@ def _products(model: Any, data: Any, rows: Array, vectors: Array) -> Array:
     return products
 
 
-def _links(model: Any, robot: Robot) -> Callable[[Any], Array]:
+def _link_pose_reader(model: Any, robot: Robot) -> Callable[[Any], Array]:
     """Returns a function that returns world_from_link (links, 4, 4) of every link, in order. It is
     `link_pose` for all links at once."""
     bodies = np.array([body_index(model, link.name) for link in robot.links])

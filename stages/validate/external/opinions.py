@@ -28,10 +28,10 @@ def read_simcheck(output: str, _: Path) -> Opinion:
     """Reads `simcheck check --format json`: a list with one object for each file."""
     (report,) = json.loads(output)
     entries = [entry for result in report["results"] for entry in result["findings"]]
-    named = {
+    by_level = {
         level: _findings(entries, "severity", level, "target", "check") for level in ("error", "warning")
     }
-    return Opinion(named["error"], named["warning"], f"{report['verdict']}, score {report['score']:g}")
+    return Opinion(by_level["error"], by_level["warning"], f"{report['verdict']}, score {report['score']:g}")
 
 
 def read_mjcf_doctor(output: str, _: Path) -> Opinion:
@@ -55,11 +55,13 @@ def read_urdf_validator(_: str, folder: Path) -> Opinion:
     """Reads the report that `urdf_validate --output-dir` writes."""
     (path,) = folder.glob("*_validation.json")
     report = json.loads(path.read_text(encoding="utf-8"))
-    errors, warnings = (_texts(report.get(name)) for name in ("critical_issues", "warnings"))
+    errors, warnings = (_text_findings(report.get(name)) for name in ("critical_issues", "warnings"))
     schema = report.get("schema") or {}
     messages = {finding.message for finding in (*errors, *warnings)}
     errors += tuple(
-        finding for finding in _texts(schema.get("critical_issues")) if finding.message not in messages
+        finding
+        for finding in _text_findings(schema.get("critical_issues"))
+        if finding.message not in messages
     )
     return Opinion(errors, warnings, str(report.get("overall_status", "")))
 
@@ -83,7 +85,7 @@ def read_simready(output: str, folder: Path) -> Opinion:
         Finding("", name, f"{message} ({requirement})")
         for name, feature in sorted(failed.items())
         if feature["blocking_failure"]
-        for requirement, message in _unmet(feature)
+        for requirement, message in _failed_requirements(feature)
     )
     optional = sorted(name for name, feature in failed.items() if not feature["blocking_failure"])
     words = f"{result['profile_id']} {result['profile_version']}, {len(features) - len(failed)} of "
@@ -93,7 +95,7 @@ def read_simready(output: str, folder: Path) -> Opinion:
     )
 
 
-def _unmet(feature: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def _failed_requirements(feature: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Yields the requirements that a feature fails, each with its first message and the number of others."""
     table = feature.get("requirement_messages") or {}
     messages = json.loads(table) if isinstance(table, str) else table
@@ -113,7 +115,7 @@ def _findings(
     )
 
 
-def _texts(issues: Any) -> tuple[Finding, ...]:
+def _text_findings(issues: Any) -> tuple[Finding, ...]:
     texts = [issue if isinstance(issue, str) else json.dumps(issue, sort_keys=True) for issue in issues or ()]
     return tuple(Finding(_element(text), "", text) for text in texts)
 

@@ -58,14 +58,16 @@ class Tool:
 
 @functools.cache
 def _version(command: tuple[str, ...], packages: tuple[str, ...], path: str) -> str:
-    said = _output((*command, "--version"), path)
-    if said is None:
-        said = _output((_interpreter(command[0]), "-I", "-c", _ASK, *packages), path)
-    words = (said or "").split()
+    version_text = _output((*command, "--version"), path)
+    if version_text is None:
+        version_text = _output((_interpreter(command[0]), "-I", "-c", _VERSIONS_PROGRAM, *packages), path)
+    words = (version_text or "").split()
     return words[-1] if words else sha256(Path(command[0]).read_bytes()).hexdigest()[:12]
 
 
-_ASK = "import importlib.metadata as m, sys; print('+'.join(dict.fromkeys(map(m.version, sys.argv[1:]))))"
+_VERSIONS_PROGRAM = (
+    "import importlib.metadata as m, sys; print('+'.join(dict.fromkeys(map(m.version, sys.argv[1:]))))"
+)
 """A program that prints the versions of packages, equal versions once."""
 
 
@@ -73,8 +75,10 @@ def _interpreter(program: str) -> str:
     """Returns the Python that runs a script of pip, which its first line names."""
     with open(program, "rb") as file:
         first = file.readline(512)
-    named = first.removeprefix(b"#!").strip().decode("utf-8", "replace") if first.startswith(b"#!") else ""
-    return named if "python" in named and " " not in named else sys.executable
+    interpreter = (
+        first.removeprefix(b"#!").strip().decode("utf-8", "replace") if first.startswith(b"#!") else ""
+    )
+    return interpreter if "python" in interpreter and " " not in interpreter else sys.executable
 
 
 def _output(command: tuple[str, ...], path: str) -> str | None:

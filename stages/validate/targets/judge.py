@@ -90,10 +90,12 @@ def judge_file(
             return (_failed_check(path, name, f"MuJoCo does not compile it: {error}"),)
     judged_file, rows = _JudgedFile(document, model, written), [*rows_of(target, form, version)]
     passed = f"{reader} takes all that it has"
-    error_findings = _findings([row for row in rows if row.met != "stated"], judged_file)
+    error_findings = _findings([row for row in rows if row.response != "stated"], judged_file)
     # The report of a build has the things of its robot that are left out.
     stated_rows = [
-        row for row in rows if row.met == "stated" and (written is None or row.thing not in THINGS_OF_ROBOTS)
+        row
+        for row in rows
+        if row.response == "stated" and (written is None or row.thing not in THINGS_OF_ROBOTS)
     ]
     warning_findings = _findings(stated_rows, judged_file)
     checks = [check_of(path, name, CODE, "error", error_findings, passed)]

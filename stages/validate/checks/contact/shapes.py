@@ -125,7 +125,8 @@ def _added_geoms(
     compiled: CompiledModel, expected: Sequence[WrittenShape], geoms: Sequence[int]
 ) -> list[int]:
     """Returns the geoms that a body has in addition to the robot's, wherever they are in the order: without
-    them the rest fits. Returns none if the user's own XML changes the file, since its geoms come last."""
+    them the rest fits. Returns an empty list if the user's own XML changes the file, since its geoms come
+    last."""
     surplus_count = len(geoms) - len(expected)
     if surplus_count <= 0 or compiled.written.amendments.changes_of(compiled.path.name):
         return []
@@ -134,7 +135,9 @@ def _added_geoms(
     for geom in geoms:
 
         def fits(other: int, place: int = at) -> bool:
-            return place < len(expected) and not any(_form(compiled.model, "", expected[place], other))
+            return place < len(expected) and not any(
+                _form_differences(compiled.model, "", expected[place], other)
+            )
 
         later = at >= len(expected) or any(fits(other) for other in geoms if other > geom)
         if fits(geom) or len(added) == surplus_count or not later:
@@ -155,15 +158,15 @@ def _differences(
         return
     for shape, geom in zip(expected, geoms, strict=False):
         element, group = named_geom(model, geom, link), int(model.geom_group[geom])
-        yield from _form(model, element, shape, geom)
+        yield from _form_differences(model, element, shape, geom)
         if group != GROUPS[role] and not compiled.sets("group"):
             yield differs(element, "group", group, GROUPS[role])
         if role == "visual" and not compiled.recolours:
-            yield from look_differs(element, ATTRIBUTE_NAMES.colour, _read(model, geom), shape)
+            yield from look_differs(element, ATTRIBUTE_NAMES.colour, _geom_shape(model, geom), shape)
 
 
-def _form(model: Any, element: str, expected: WrittenShape, geom: int) -> Iterator[Finding]:
-    shape = _read(model, geom)
+def _form_differences(model: Any, element: str, expected: WrittenShape, geom: int) -> Iterator[Finding]:
+    shape = _geom_shape(model, geom)
     findings = list(form_differs(element, "", shape, expected, ATTRIBUTE_NAMES, SHAPE_TOLERANCE))
     yield from findings
     if findings or expected.kind != "mesh":
@@ -177,7 +180,7 @@ def _form(model: Any, element: str, expected: WrittenShape, geom: int) -> Iterat
         yield from bounds_differ(element, ATTRIBUTE_NAMES.file, shape.bounds, expected)
 
 
-def _read(model: Any, geom: int) -> GeomShape:
+def _geom_shape(model: Any, geom: int) -> GeomShape:
     kind, place = int(model.geom_type[geom]), placed(model.geom_quat[geom], model.geom_pos[geom])
     look = _look(model, geom)
     if kind != MESH:

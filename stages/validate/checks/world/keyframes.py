@@ -37,13 +37,13 @@ MEANINGS = {
 def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf or not compiled.model.nq or not compiled.has_keyframes:
         return
-    yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
-    yield _at_rest(compiled)
+    yield from (_keyframe_check(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
+    yield _rest_check(compiled)
     if keyframe_index(compiled.model, SAVED) >= 0:
-        yield _closed(compiled)
+        yield _closed_check(compiled)
 
 
-def _at_rest(compiled: CompiledModel) -> Check:
+def _rest_check(compiled: CompiledModel) -> Check:
     """Checks that nothing moves in the robot's keyframes."""
     model, findings = compiled.model, list[Finding]()
     for name in keyframes(compiled.robot):
@@ -57,7 +57,7 @@ def _at_rest(compiled: CompiledModel) -> Check:
     return compiled.within("keyframes at rest", float(len(findings)), 0.0, detail, few(findings))
 
 
-def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
+def _keyframe_check(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
     """Compares the values and links at a keyframe with the robot's."""
     model = compiled.model
     key = keyframe_index(model, name)
@@ -84,14 +84,18 @@ def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration)
         if not abs(position - value) <= ENGINE_TOLERANCE:
             message = f"puts {joint} at {shown(position)}, expected {shown(value)}"
             differences.append((abs(position - value), Finding(named("key", name), "qpos", message)))
-    return worst_first(differences) or kinematic_differences(read_compiled(compiled)) or (_turned(name),)
+    return (
+        worst_first(differences)
+        or kinematic_differences(read_compiled(compiled))
+        or (_unnamed_difference(name),)
+    )
 
 
-def _turned(name: str) -> Finding:
+def _unnamed_difference(name: str) -> Finding:
     return Finding(named("key", name), "qpos", "puts a ball or a free body elsewhere than the robot's pose")
 
 
-def _closed(compiled: CompiledModel) -> Check:
+def _closed_check(compiled: CompiledModel) -> Check:
     model, data = compiled.model, at_keyframe(compiled.model, SAVED)
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"

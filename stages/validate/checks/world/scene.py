@@ -19,7 +19,7 @@ from linkwright.stages.validate.model.equalities import bodies, sites
 
 OBJ = mujoco.mjtObj
 
-ARRAYS = {
+FIELDS_BY_ELEMENT = {
     ("body", OBJ.mjOBJ_BODY): (
         ("inertial mass", "body_mass"),
         ("inertial diaginertia", "body_inertia"),
@@ -58,7 +58,7 @@ ARRAYS = {
 }
 """The elements that have a name in a model, and the numbers that a scene must leave unchanged."""
 
-DOFS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("armature", "dof_armature"))
+DOF_FIELDS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("armature", "dof_armature"))
 """The numbers of a joint's degrees of freedom."""
 
 
@@ -71,10 +71,10 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         or compiled.written.amendments.changes_of(compiled.path.name)
     ):
         return
-    robot = _compiled(mjcf)
+    robot = _compiled_or_none(mjcf)
     if robot is None:
         return
-    findings = few((*_changed(robot, compiled.model), *_added_elements(robot, compiled.model)))
+    findings = few((*_changed_numbers(robot, compiled.model), *_added_elements(robot, compiled.model)))
     detail = f"the robot is that of {mjcf.name}"
     if findings:
         elements = ", ".join(finding.element for finding in findings)
@@ -82,7 +82,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("robot in the scene", float(len(findings)), 0.0, detail, findings)
 
 
-def _compiled(path: Path) -> Any:
+def _compiled_or_none(path: Path) -> Any:
+    """Returns the compiled model of an MJCF; None if it does not compile, which other checks report."""
     with deprecations([]):
         try:
             return compiled_file(path)
@@ -90,18 +91,19 @@ def _compiled(path: Path) -> Any:
             return None
 
 
-def _changed(robot: Any, scene: Any) -> Iterator[Finding]:
-    for (tag, kind), rows in ARRAYS.items():
-        for name, first, second in _both(robot, scene, int(kind)):
+def _changed_numbers(robot: Any, scene: Any) -> Iterator[Finding]:
+    """Compares the numbers of the named elements that are in both the robot's model and the scene's."""
+    for (tag, kind), rows in FIELDS_BY_ELEMENT.items():
+        for name, first, second in _common_elements(robot, scene, int(kind)):
             for attribute, numbers in rows:
                 yield from _number_difference(
                     named(tag, name),
                     attribute,
-                    _values(scene, numbers, second),
-                    _values(robot, numbers, first),
+                    _numbers_of(scene, numbers, second),
+                    _numbers_of(robot, numbers, first),
                 )
             if tag == "joint":
-                for attribute, numbers in DOFS:
+                for attribute, numbers in DOF_FIELDS:
                     robot_dof, scene_dof = int(robot.jnt_dofadr[first]), int(scene.jnt_dofadr[second])
                     yield from _number_difference(
                         named(tag, name),
@@ -111,7 +113,7 @@ def _changed(robot: Any, scene: Any) -> Iterator[Finding]:
                     )
 
 
-def _values(model: Any, array: str, index: int) -> Any:
+def _numbers_of(model: Any, array: str, index: int) -> Any:
     """Returns the numbers of an element; in an array of controls those of all controls of the actuator."""
     values = getattr(model, array)
     return np.ravel(values[controls_of(model, index)]) if array.startswith("actuator_ctrl") else values[index]
@@ -124,7 +126,7 @@ def _number_difference(element: str, attribute: str, value: Any, expected: Any) 
         yield differs(element, attribute, value, expected)
 
 
-def _both(robot: Any, scene: Any, kind: int) -> Iterator[tuple[str, int, int]]:
+def _common_elements(robot: Any, scene: Any, kind: int) -> Iterator[tuple[str, int, int]]:
     """Yields (name, index in the MJCF, index in the scene) of the named elements that are in both."""
     for index in range(count_of(robot, kind)):
         name = name_of(robot, kind, index)

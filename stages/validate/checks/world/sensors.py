@@ -15,7 +15,7 @@ from linkwright.stages.validate.findings import differs, few, largest_error, nam
 from linkwright.stages.validate.model.coordinates import ENGINE_TOLERANCE, body_from_link, placed_by_site
 from linkwright.stages.validate.model.poses import placed
 
-KINDS: Mapping[str, int] = {
+OBJECT_TYPES: Mapping[str, int] = {
     "joint": mujoco.mjtObj.mjOBJ_JOINT,
     "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
     "site": mujoco.mjtObj.mjOBJ_SITE,
@@ -25,7 +25,7 @@ KINDS: Mapping[str, int] = {
 }
 """Kind of thing that a sensor may be on → MuJoCo's number."""
 
-NAMES: Mapping[str, str] = {"jointactuatorfrc": "JOINTACTFRC"}
+MUJOCO_NAMES: Mapping[str, str] = {"jointactuatorfrc": "JOINTACTFRC"}
 """Element → its name in MuJoCo's code, if that differs."""
 
 
@@ -39,8 +39,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     findings += [
         Finding(named("camera", name), "name", "there is no camera of this name") for name in missing
     ]
-    findings += [finding for camera in sensing.cameras for finding in _lens(compiled, camera)]
-    findings += [] if findings else _order(compiled)
+    findings += [finding for camera in sensing.cameras for finding in _lens_differences(compiled, camera)]
+    findings += [] if findings else _order_differences(compiled)
     wrong = dict.fromkeys(finding.element for finding in findings)
     detail = f"{len(sensing.sensors)} sensors on what they measure"
     if wrong:
@@ -50,7 +50,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     mounted += [("camera", camera.name, camera.link, camera.link_from_camera) for camera in sensing.cameras]
     if mounted and not wrong:
         differences = [
-            (_pose_difference(compiled, *mount), _misplaced(compiled, *mount)) for mount in mounted
+            (_pose_difference(compiled, *mount), _misplaced_finding(compiled, *mount)) for mount in mounted
         ]
         worst = largest_error(value for value, _ in differences)
         places = worst_first(row for row in differences if not row[0] <= ENGINE_TOLERANCE)
@@ -58,7 +58,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         yield compiled.within("places of sensors", worst, ENGINE_TOLERANCE, detail, places)
 
 
-def _lens(compiled: CompiledModel, camera: SensorCamera) -> Iterator[Finding]:
+def _lens_differences(compiled: CompiledModel, camera: SensorCamera) -> Iterator[Finding]:
     """Compares the field of view [deg] and the pixels of a camera, if the model has it."""
     model, index = compiled.model, _index(compiled.model, "camera", camera.name)
     for attribute, numbers, expected in (
@@ -70,7 +70,7 @@ def _lens(compiled: CompiledModel, camera: SensorCamera) -> Iterator[Finding]:
             yield differs(named("camera", camera.name), attribute, value, expected)
 
 
-def _order(compiled: CompiledModel) -> Iterator[Finding]:
+def _order_differences(compiled: CompiledModel) -> Iterator[Finding]:
     """Yields a finding if the robot's sensors have another order in `sensordata`."""
     types = {sensor.name: sensor.type for sensor in compiled.written.sensing.sensors}
     expected = list(types)
@@ -79,19 +79,19 @@ def _order(compiled: CompiledModel) -> Iterator[Finding]:
         zip(expected, (title for title in names if title in expected), strict=True)
     ):
         if name != other:
-            message = f"is where {name} must be: sensordata has the sensors in this order ({place} before it)"
+            message = f"is sensor {place + 1} in sensordata, where {name} must be"
             yield Finding(named(types[other], other), "order", message)
             return
 
 
-def _misplaced(compiled: CompiledModel, kind: str, name: str, link: str, _: Any) -> Finding:
+def _misplaced_finding(compiled: CompiledModel, kind: str, name: str, link: str, _: Any) -> Finding:
     message = f"is not where it must be on {link}, or turned otherwise, or missing"
     return Finding(named(kind, name), "pos, quat", message)
 
 
 def _index(model: Any, kind: str, name: str) -> int:
     # An xbody has the name of its body.
-    return index_of(model, KINDS["body" if kind == "xbody" else kind], name)
+    return index_of(model, OBJECT_TYPES["body" if kind == "xbody" else kind], name)
 
 
 def _differences(model: Any, sensor: Sensor) -> Iterator[Finding]:
@@ -101,7 +101,7 @@ def _differences(model: Any, sensor: Sensor) -> Iterator[Finding]:
         yield Finding(element, "name", "there is no sensor of this name")
         return
     kind = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_")
-    if kind != NAMES.get(sensor.type, sensor.type.upper()):
+    if kind != MUJOCO_NAMES.get(sensor.type, sensor.type.upper()):
         yield Finding(element, "type", f"is a {kind.lower()}")
         return
     if not sensor.relative_to and model.sensor_refid[index] >= 0:
@@ -117,9 +117,11 @@ def _differences(model: Any, sensor: Sensor) -> Iterator[Finding]:
         ),
     )
     for role, target, name, kind_of_end, number in ends:
-        if target and not (int(kind_of_end) == KINDS[target] and int(number) == _index(model, target, name)):
+        if target and not (
+            int(kind_of_end) == OBJECT_TYPES[target] and int(number) == _index(model, target, name)
+        ):
             other = name_of(model, int(kind_of_end), int(number)) if number >= 0 else None
-            attribute = "refname" if role else ATTRIBUTES.get(target, target)
+            attribute = "refname" if role else TARGET_ATTRIBUTES.get(target, target)
             yield differs(element, attribute, other or "none", name)
     for attribute, value, expected in (
         ("noise", float(model.sensor_noise[index]), sensor.noise),
@@ -129,11 +131,11 @@ def _differences(model: Any, sensor: Sensor) -> Iterator[Finding]:
             yield differs(element, attribute, value, expected)
 
 
-ATTRIBUTES: Mapping[str, str] = {"body": "objname", "xbody": "objname", "camera": "camera"}
+TARGET_ATTRIBUTES: Mapping[str, str] = {"body": "objname", "xbody": "objname", "camera": "camera"}
 """Kind of target → attribute that names it, if that is not called like the kind."""
 
 
-def _pose_difference(compiled: CompiledModel, kind: str, name: str, link: str, link_from_it: Any) -> float:
+def _pose_difference(compiled: CompiledModel, kind: str, name: str, link: str, link_from_mount: Any) -> float:
     """Returns the difference [m, rad] of a site or camera from its place on its link."""
     model = compiled.model
     index = _index(model, kind, name)
@@ -143,7 +145,7 @@ def _pose_difference(compiled: CompiledModel, kind: str, name: str, link: str, l
     if holder == "world":
         # The body is the world, and the scene places the link on it.
         holder_from_link = placed_by_site(model, holder) @ holder_from_link
-    pose = body_from_link(compiled.robot, holder) @ holder_from_link @ link_from_it
+    pose = body_from_link(compiled.robot, holder) @ holder_from_link @ link_from_mount
     if kind == "camera":
         pose = pose @ np.diag([1.0, -1.0, -1.0, 1.0])
     quat, position, on = (
