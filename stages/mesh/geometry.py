@@ -120,7 +120,7 @@ def build_geometry(
     contacts = _contacts(inputs, shapes, files, figures)
     choices = link_uses.choices_by_collider(made.colliders, made.uses)
     contact_shapes = with_properties(shapes, choices, sections.geoms, contacts.by_source)
-    assets = convert_assets(contact_shapes, files, mesh_section, obj_only=limits.obj)
+    assets = convert_assets(contact_shapes, files, mesh_section, obj_only=limits.needs_obj)
     result = Geometry(
         assets.shapes,
         assets.files,

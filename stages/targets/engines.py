@@ -15,18 +15,19 @@ MujocoVersion = Literal["3.11", "3.16", "3.17", "4.0"]
 class ShapeLimits:
     """The limits that engines set to shapes."""
 
-    without: "tuple[PrimitiveKind, ...]" = ()
+    excluded_kinds: "tuple[PrimitiveKind, ...]" = ()
     """The kinds of primitives that colliders must not be."""
 
-    hull: int | None = None
+    max_hull_vertices: int | None = None
     """The largest number of vertices of a collider that is a mesh; None without a limit."""
 
-    obj: bool = False
+    needs_obj: bool = False
     """Whether meshes must be OBJ files."""
 
     def vertices(self, limit: int) -> int:
-        """Returns the largest number of vertices of a hull, with the configuration's `limit`."""
-        return limit if self.hull is None else min(limit, self.hull)
+        """Returns the largest number of vertices of a hull: the configuration's `limit`, or that of the
+        engines if it is smaller."""
+        return limit if self.max_hull_vertices is None else min(limit, self.max_hull_vertices)
 
 
 NO_LIMITS = ShapeLimits()
@@ -38,16 +39,16 @@ class TargetEngine:
     """An engine that a build can be made for."""
 
     readers: tuple[str, ...]
-    """Its names in the table of readers."""
+    """The engine's names in the table of readers."""
 
     reads: tuple[str, ...]
-    """The formats that it reads, the best first."""
+    """The formats that the engine reads, the best first."""
 
     mujoco: MujocoVersion | None = None
-    """The version of MuJoCo that compiles its models; None for an engine without MuJoCo."""
+    """The version of MuJoCo that compiles the engine's models; None for an engine without MuJoCo."""
 
     shapes: ShapeLimits = NO_LIMITS
-    """Its limits of shapes."""
+    """The engine's limits of shapes."""
 
     def format(self, written: Collection[str]) -> str | None:
         """Returns the best of the written formats that the engine reads, or None."""
@@ -55,14 +56,16 @@ class TargetEngine:
 
 
 ENGINES: Mapping[str, TargetEngine] = {
-    "mjx": TargetEngine(("MJX",), ("mjcf", "urdf"), "3.17", ShapeLimits(("cylinder", "ellipsoid"), hull=32)),
+    "mjx": TargetEngine(
+        ("MJX",), ("mjcf", "urdf"), "3.17", ShapeLimits(("cylinder", "ellipsoid"), max_hull_vertices=32)
+    ),
     "mjwarp": TargetEngine(("MuJoCo Warp",), ("mjcf", "urdf"), "4.0"),
     "mujoco": TargetEngine(("MuJoCo",), ("mjcf", "urdf"), "4.0"),
     "newton": TargetEngine(("Newton",), ("usd", "mjcf", "urdf")),
     "isaac": TargetEngine(("Isaac Sim", "PhysX"), ("usd", "urdf")),
     "gazebo": TargetEngine(("Gazebo with DART",), ("sdf",)),
     "pybullet": TargetEngine(("PyBullet",), ("urdf",)),
-    "drake": TargetEngine(("Drake",), ("urdf", "sdf", "mjcf"), shapes=ShapeLimits(obj=True)),
+    "drake": TargetEngine(("Drake",), ("urdf", "sdf", "mjcf"), shapes=ShapeLimits(needs_obj=True)),
 }
 """The engines, by the keys of `target`."""
 
@@ -70,6 +73,6 @@ ENGINES: Mapping[str, TargetEngine] = {
 def shape_limits(targets: Collection[str]) -> ShapeLimits:
     """Returns the limits that shapes must keep for all of these targets."""
     limits = [ENGINES[name].shapes for name in targets]
-    hulls = [shapes.hull for shapes in limits if shapes.hull is not None]
-    kinds = tuple(sorted({kind for shapes in limits for kind in shapes.without}))
-    return ShapeLimits(kinds, min(hulls, default=None), any(shapes.obj for shapes in limits))
+    vertex_limits = [shapes.max_hull_vertices for shapes in limits if shapes.max_hull_vertices is not None]
+    kinds = tuple(sorted({kind for shapes in limits for kind in shapes.excluded_kinds}))
+    return ShapeLimits(kinds, min(vertex_limits, default=None), any(shapes.needs_obj for shapes in limits))

@@ -77,6 +77,7 @@ class CompiledModel:
 
     @property
     def _view(self) -> FormatView:
+        """The robot in the form of this file's format."""
         return self.written.as_urdf if self.urdf else self.written.as_mjcf
 
     @property
@@ -120,6 +121,7 @@ class CompiledModel:
 
     @property
     def urdf(self) -> bool:
+        """Tells whether the file is a URDF."""
         return self.path.suffix == ".urdf"
 
     def result(

@@ -17,17 +17,18 @@ ROUNDING = 1e-12
 
 
 def named(tag: str, name: str) -> str:
-    """Returns an element of a file, by tag and name."""
+    """Returns the title of an element in findings: its tag, and its name in quotes."""
     return f'{tag} "{name}"'
 
 
 def link(name: str, urdf: bool) -> str:
-    """Returns a link, as its file calls it."""
+    """Returns the title of a link in findings: a link in a URDF, a body in an MJCF."""
     return named("link" if urdf else "body", name)
 
 
 def named_joint(model: Any, index: int) -> str:
-    """Returns a joint of a compiled model; a joint without a name is named after the body that it moves."""
+    """Returns the title of a joint of a compiled model. A joint without a name is called by the body that it
+    moves."""
     name = model.joint(index).name
     return named("joint", name) if name else f"joint of {link(_mover(model, index), urdf=False)}"
 

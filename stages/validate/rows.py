@@ -15,7 +15,7 @@ class ModelCheck:
     """A check of a compiled model."""
 
     code: str
-    """The code of results that have none."""
+    """The code of results to which the check itself gives none."""
 
     title: str
     """The name of the result that reports an exception."""
@@ -48,6 +48,8 @@ class FormatCheck:
     """The checks of a file that no engine reads."""
 
     code: str
+    """The code of all results."""
+
     ending: str
     """The ending of the file's name, with its dot."""
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from linkwright.stages.robot.check import Check
 
 CODE = "C-TORQUE"
+"""Code of the torque check."""
 
 
 def torque_value(checks: Iterable[Check]) -> float | None:

@@ -52,7 +52,7 @@ def prism(cylinder: Primitive) -> Surface | None:
 def engine_solid(solid: Collider, limits: ShapeLimits) -> Collider:
     """Returns a mesh or primitive as it is, but a prism of equal volume for a cylinder that a target cannot
     collide."""
-    if isinstance(solid, MeshFile) or solid.kind != "cylinder" or "cylinder" not in limits.without:
+    if isinstance(solid, MeshFile) or solid.kind != "cylinder" or "cylinder" not in limits.excluded_kinds:
         return solid
     surface = prism(solid)
     return solid if surface is None else mesh_file.collider(surface)
@@ -70,7 +70,7 @@ def with_form(shape: Shape, parts: Sequence[Part], limits: ShapeLimits) -> Shape
     """Returns a collider with the form of its part's MJCF geom; the form is plain if several `parts` share
     the collider. A mesh of an ellipsoid also gets the ellipsoid, if all targets can collide it."""
     form = parts[0].form if len(parts) == 1 else PLAIN
-    if not form.ellipsoid or "ellipsoid" in limits.without:
+    if not form.ellipsoid or "ellipsoid" in limits.excluded_kinds:
         return replace(shape, form=form)
     ellipsoid = Primitive("ellipsoid", form.ellipsoid, parts[0].link_from_part)
     return replace(shape, form=form, ellipsoid=ellipsoid)

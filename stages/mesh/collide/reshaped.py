@@ -38,34 +38,34 @@ def target_reports(
     yield from _cylinder_replacements(links, [collided for collided, _ in colliders], targets)
     yield from _ellipsoid_replacements(colliders, targets)
     limits = shape_limits(targets)
-    capping_targets = targets_where(targets, lambda shapes: shapes.hull is not None)
-    if limits.hull is not None:
+    capping_targets = targets_where(targets, lambda shapes: shapes.max_hull_vertices is not None)
+    if limits.max_hull_vertices is not None:
         raw = sum(isinstance(collided.job.choice.settings, RawSettings) for collided, _ in colliders)
         if raw:
             number = count(raw, "collider that is a mesh as it is", "colliders that are meshes as they are")
             yield replacement_diagnostic(
-                f"{number} → hulls of at most {limits.hull} vertices", capping_targets
+                f"{number} → hulls of at most {limits.max_hull_vertices} vertices", capping_targets
             )
-        capped = _vertex_counts_above(makers, section, limits.hull)
+        capped = _vertex_counts_above(makers, section, limits.max_hull_vertices)
         if capped:
             text = ", ".join(
-                f"{key} ({chosen_count} → {limits.hull})" for key, chosen_count in capped.items()
+                f"{key} ({chosen_count} → {limits.max_hull_vertices})" for key, chosen_count in capped.items()
             )
             yield replacement_diagnostic(
                 f"hulls and convex pieces have fewer vertices: {text}", capping_targets
             )
     stl = [shape for shape in shapes if shape.file is not None and shape.texture is None]
-    if limits.obj and section.format != "obj" and section.assets == "files" and stl:
+    if limits.needs_obj and section.format != "obj" and section.assets == "files" and stl:
         number = count(len({shape.file for shape in stl}), "mesh", "meshes")
         yield replacement_diagnostic(
-            f"{number} in STL → OBJ", targets_where(targets, lambda shapes: shapes.obj)
+            f"{number} in STL → OBJ", targets_where(targets, lambda shapes: shapes.needs_obj)
         )
 
 
 def _cylinder_replacements(
     links: Sequence[Link], outcomes: Sequence[MadeCollider], targets: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    without_cylinders = targets_where(targets, lambda shapes: "cylinder" in shapes.without)
+    without_cylinders = targets_where(targets, lambda shapes: "cylinder" in shapes.excluded_kinds)
     kinds = [shape.kind for link in links for shape in link.shapes if shape.collision]
     kinds += [
         piece.kind
@@ -85,7 +85,7 @@ def _cylinder_replacements(
 def _ellipsoid_replacements(
     colliders: Sequence[ColliderWithParts], targets: Sequence[str]
 ) -> Iterator[Diagnostic]:
-    without_ellipsoids = targets_where(targets, lambda shapes: "ellipsoid" in shapes.without)
+    without_ellipsoids = targets_where(targets, lambda shapes: "ellipsoid" in shapes.excluded_kinds)
     errors = [
         ellipsoid_error(transform_surface(piece, collided.job.link_from_subject), parts[0])
         for collided, parts in colliders

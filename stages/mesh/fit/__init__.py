@@ -51,7 +51,7 @@ formulas only against planes and spheres, and otherwise costs as much as a hull 
 
 def allowed_kinds(limits: ShapeLimits) -> tuple[PrimitiveKind, ...]:
     """Returns the kinds of primitives that the limits allow, the cheapest first."""
-    return tuple(kind for kind in CHEAPEST if kind not in limits.without)
+    return tuple(kind for kind in CHEAPEST if kind not in limits.excluded_kinds)
 
 
 def fits(

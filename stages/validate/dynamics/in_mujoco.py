@@ -33,17 +33,17 @@ def _computed_dynamics(
     data = mujoco.MjData(model)
     joints = [joint_index(model, dof.name) for dof in scalar_dofs(robot)]
     rows, places = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
-    plain = {dof.name for dof in scalar_dofs(robot)} == {dof.name for dof in robot.dofs}
+    has_only_scalars = {dof.name for dof in scalar_dofs(robot)} == {dof.name for dof in robot.dofs}
     count, size = speeds.shape
     poses = np.empty((len(robot.links), count, 4, 4))
     mass = np.empty((count, size, size if vectors is None else vectors.shape[1]))
     gravity, bias, up = np.empty((count, size)), np.empty((count, size)), np.empty((count, 3))
     force = np.empty(model.nv)
     loops = {dof.name: dof.saved for loop in robot.loops for dof in loop.dofs}
-    places_of_links = _link_pose_reader(model, robot)
+    link_poses_of = _link_pose_reader(model, robot)
     mujoco.mj_resetData(model, data)
     for index in range(count):
-        if plain and not loops:
+        if has_only_scalars and not loops:
             data.qpos[places] = [values[dof.name][index] for dof in robot.dofs]
         else:
             set_values(model, data, robot, loops | _configuration(values, index), urdf)
@@ -51,7 +51,7 @@ def _computed_dynamics(
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         world_from_root = root_pose(model, data, robot)
-        poses[:, index] = np.linalg.inv(world_from_root) @ places_of_links(data)
+        poses[:, index] = np.linalg.inv(world_from_root) @ link_poses_of(data)
         up[index] = -world_from_root[:3, :3].T @ GRAVITY
         mass[index] = (
             _mass_matrix(model, data, rows) if vectors is None else _mass_products(model, data, rows, vectors)
@@ -68,7 +68,7 @@ def _computed_dynamics(
 
 
 def _mass_matrix(model: Any, data: Any, rows: Array) -> Array:
-    """Returns the mass matrix (k, k) of these rows."""
+    """Returns the mass matrix (k, k) of these rows, without the armature of their joints."""
     mujoco.mj_makeM(model, data)
     mass, column = np.empty((len(rows), len(rows))), np.empty(model.nv)
     for row, unit in enumerate(np.eye(model.nv)[rows]):
@@ -97,16 +97,16 @@ def _link_pose_reader(model: Any, robot: Robot) -> Callable[[Any], Array]:
     """Returns a function that returns world_from_link (links, 4, 4) of every link, in order. It is
     `link_pose` for all links at once."""
     bodies = np.array([body_index(model, link.name) for link in robot.links])
-    plain = bodies >= 0
-    by_site = [at for at, link in enumerate(robot.links) if not plain[at] or link.name == robot.root.name]
-    bodies = np.where(plain, bodies, 0)
-    places = np.array([body_from_link(robot, link.name) for link in robot.links])
+    has_body = bodies >= 0
+    by_site = [at for at, link in enumerate(robot.links) if not has_body[at] or link.name == robot.root.name]
+    bodies = np.where(has_body, bodies, 0)
+    body_from_link_poses = np.array([body_from_link(robot, link.name) for link in robot.links])
 
     def read(data: Any) -> Array:
         poses = np.zeros((len(bodies), 4, 4))
         poses[:, :3, :3] = data.xmat[bodies].reshape(-1, 3, 3)
         poses[:, :3, 3], poses[:, 3, 3] = data.xpos[bodies], 1.0
-        poses = np.asarray(poses @ places)
+        poses = np.asarray(poses @ body_from_link_poses)
         for at in by_site:
             poses[at] = link_pose(model, data, robot, robot.links[at].name)
         return poses
@@ -115,7 +115,7 @@ def _link_pose_reader(model: Any, robot: Robot) -> Callable[[Any], Array]:
 
 
 def _configuration(values: Values, index: int) -> dict[str, Value]:
-    """Returns the configuration of an index."""
+    """Returns the configuration at an index of the values."""
     return {
         name: float(numbers[index]) if numbers.ndim == 1 else tuple(map(float, numbers[index]))
         for name, numbers in values.items()

@@ -17,7 +17,7 @@ MAX_LINK_POSES = 20_000
 """Largest product of links and poses: larger robots are compared at fewer poses."""
 
 MIN_POSES = 10
-"""Smallest number of poses."""
+"""Smallest number of poses, however large the robot is."""
 
 OPEN_EXTENT = {"turn": math.pi, "slide": 1.0}
 """Extent [rad, m] of a range without limits: to both sides of zero, or from its only limit."""

@@ -88,7 +88,7 @@ def _margins(model: Any) -> Iterator[Finding]:
 
 def _large_hulls(model: Any) -> Iterator[Finding]:
     """Yields the meshes of colliders whose hulls have more vertices than MJX takes."""
-    max_vertices = ENGINES["mjx"].shapes.hull
+    max_vertices = ENGINES["mjx"].shapes.max_hull_vertices
     collides = (model.geom_contype | model.geom_conaffinity) != 0
     is_mesh = model.geom_type == int(_GEOM.mjGEOM_MESH)
     meshes = sorted(set(model.geom_dataid[collides & is_mesh].tolist()))

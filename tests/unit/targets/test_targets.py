@@ -127,7 +127,7 @@ def test_frames_have_an_inertial_for_pybullet_which_is_told():
 def test_limits_on_shapes_of_several_engines_add_up():
     assert shape_limits([]) == NO_LIMITS
     both = shape_limits(["mjx", "drake"])
-    assert (both.without, both.vertices(64), both.vertices(16), both.obj) == (
+    assert (both.excluded_kinds, both.vertices(64), both.vertices(16), both.needs_obj) == (
         ("cylinder", "ellipsoid"), 32, 16, True,
     )  # fmt: skip
     assert shape_limits(["drake"]).vertices(64) == 64

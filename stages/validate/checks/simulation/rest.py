@@ -33,7 +33,7 @@ JOINT_TRANSMISSIONS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_J
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Runs models with actuators."""
+    """Runs models with actuators. Yields nothing if the run fails, which the trial run reports."""
     model = compiled.model
     motions = largest_motions(compiled)
     if motions is None:
