@@ -64,6 +64,7 @@ def extras_of(robot: Robot, geometry: Geometry, keys: "ExportSections") -> MjcfE
                 yield element
 
     def kept_sections(sections: tuple[MjcfElement, ...]) -> tuple[MjcfElement, ...]:
+        """Returns the sections with the elements that are kept, without empty sections."""
         filtered = (replace(section, children=tuple(kept_elements(section))) for section in sections)
         return tuple(section for section in filtered if section.children)
 

@@ -27,8 +27,8 @@ from linkwright.stages.formats.robot_json.files import NameChangesRecord, Packag
 from linkwright.stages.formats.xml import to_bytes
 from linkwright.stages.robot.text.names import free_name
 
-FOLDER = "ros2"
-"""Folder of the package in the output, which can be the folder `src` of a workspace."""
+PACKAGES_FOLDER = "ros2"
+"""Folder of the packages in the output, which can be the folder `src` of a workspace."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ def write(inputs: WriterInput) -> FormatFiles:
     trajectories = trajectories_of(control.commanded("position"), semantics)
     controllers = controllers_of(control, trajectories)
     controller_plan = ControllerPlan(control, controllers, trajectories)
-    folder = f"{FOLDER}/{package}"
+    folder = f"{PACKAGES_FOLDER}/{package}"
     moveit_files = _moveit_files(inputs, package, description, semantics, controller_plan)
     case = Case("ros2", inputs.written, robot, folder, Ros2Plan(description, control, bool(moveit_files)))
     files = {f"{folder}/{path}": data for path, data in _files(inputs, package, description, controller_plan)}
@@ -136,4 +136,4 @@ def _moveit_files(
     files += _manifests(
         inputs, moveit_package, about, [*MOVEIT_PACKAGES, package], [path for path, _ in files]
     )
-    return {f"{FOLDER}/{moveit_package}/{path}": data for path, data in files}
+    return {f"{PACKAGES_FOLDER}/{moveit_package}/{path}": data for path, data in files}

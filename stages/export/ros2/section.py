@@ -10,19 +10,21 @@ from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
-    # The rules are those of REP 144.
+    """Returns the name if REP 144 allows it for a package; raises a validation error otherwise."""
     if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)*", name) or len(name) < 2:
         raise invalid("must be the name of a ROS package: a lower-case letter, then a-z, 0-9 and single _")
     return name
 
 
 def _as_version(text: str) -> str:
+    """Returns the version if package.xml allows it; raises a validation error otherwise."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", text, re.ASCII):
         raise invalid("must be three whole numbers with points, as 1.0.0")
     return text
 
 
 def _as_address(text: str) -> str:
+    """Returns the email address if it is valid; raises a validation error otherwise."""
     if not re.fullmatch(r"[A-Za-z0-9_%+-]+(\.[A-Za-z0-9_%+-]+)*@([A-Za-z0-9-]+\.)+[A-Za-z]{2,}", text):
         raise invalid("must be an email address, which package.xml requires")
     return text

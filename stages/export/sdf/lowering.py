@@ -243,6 +243,7 @@ def _is_moved(value: Value) -> bool:
 
 
 def _joint_type(dof: Dof) -> SdfJointType:
+    """Returns the type of the SDF joint of a dof."""
     if dof.kind == "ball":
         return "ball"
     if dof.kind == "slide":

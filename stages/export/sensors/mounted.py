@@ -23,7 +23,7 @@ WORLD = "world"
 """Name of the link at the assembly's origin, which is a site in the MJCF."""
 
 LOOP_SITE_SUFFIXES = ("a", "b", "a_axis", "b_axis")
-"""Suffixes of the names of sites that close loops."""
+"""Suffixes of the names of sites that close loops, after the name of the loop and "_"."""
 
 ZONE_MARGIN = 1e-3
 """Margin [m] around the colliders, of the box in which contact is felt."""
@@ -55,8 +55,8 @@ class MountedSensors:
         self._mounts = mounts_of(robot)
         self._links_as_sites = {WORLD, *fused}
         self._camera_places = camera_places
-        self._taken = {*self._mounts, *site_names}
-        self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
+        self._site_names = {*self._mounts, *site_names}
+        self._site_names |= {f"{loop.name}_{end}" for loop in robot.loops for end in LOOP_SITE_SUFFIXES}
         self._log = log
 
     def sensors(self, name: str, keys: "SensorSection") -> Iterator[Sensor]:
@@ -130,8 +130,8 @@ class MountedSensors:
         size: tuple[float, ...] = (),
     ) -> tuple[SensorTarget, str]:
         """Adds a site for a sensor, and returns it as an object of MJCF."""
-        unique_name = free_name(name, self._taken)
-        self._taken.add(unique_name)
+        unique_name = free_name(name, self._site_names)
+        self._site_names.add(unique_name)
         self.sites.append(SensorSite(unique_name, mount.link, frozen(link_from_site), shape, size))
         return "site", unique_name
 

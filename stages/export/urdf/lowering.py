@@ -117,6 +117,7 @@ def _turns_of_ball(dof: Dof, names: tuple[str, str, str]) -> Iterator[_UnplacedJ
 
 
 def _joint_type(dof: Dof) -> UrdfJointType:
+    """Returns the type of the URDF joint of a dof that is not a ball."""
     if dof.kind == "free":
         return "floating"
     if dof.kind == "slide":

@@ -9,6 +9,7 @@ from linkwright.stages.robot.section import Text, example, invalid
 
 
 def _as_package(name: str) -> str:
+    """Returns the name if a `package://` path can have it; raises a validation error otherwise."""
     if not (name[0].isalpha() and name.isascii() and name.replace("_", "").replace("-", "").isalnum()):
         raise invalid("must be the name of a package: a letter, then letters, digits, _ or -")
     return name

@@ -33,4 +33,5 @@ def motor_of_joints(names: Sequence[str], motors: Mapping[str, str]) -> str | No
 
 
 def _words(name: str) -> list[str]:
+    """Returns the words of a name, without its numbers."""
     return WORD_PATTERN.findall(name)

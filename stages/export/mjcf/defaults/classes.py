@@ -42,12 +42,12 @@ def write_classes(root: Element, robot_class: Element, taken: set[str], motors: 
     joints: dict[tuple[str | None, ...], list[Element]] = {}
     for joint in world.iter("joint"):
         joints.setdefault(tuple(joint.get(key) for key in JOINT_ATTRIBUTES), []).append(joint)
-    types = Counter(group[0].get("type") for group in joints.values())
+    group_counts = Counter(group[0].get("type") for group in joints.values())
     all_names = [joint.get("name") for joint in world.iter("joint")]
     for group in joints.values():
         kind, names = group[0].get("type"), [joint.get("name") for joint in group]
         specific_name = motor_of_joints(names, motors) or (
-            shared_name(names, all_names) if types[kind] > 1 else None
+            shared_name(names, all_names) if group_counts[kind] > 1 else None
         )
         _write_class(robot_class, specific_name or kind, "joint", group, taken, JOINT_ATTRIBUTES)
     _write_contact_classes(

@@ -75,14 +75,14 @@ def write_camera(parent: Element, name: str, camera: "CameraSection", parent_fro
     if camera.look_at is not None:
         rotation = _look_along(np.array(camera.look_at) - position)
     pose = parent_from_frame @ from_parts(rotation, position) @ FRAME_FROM_MUJOCO
-    _camera(parent, name, pose, camera.fovy, camera.resolution)
+    _write_camera_element(parent, name, pose, camera.fovy, camera.resolution)
 
 
 def write_sensor_camera(parent: Element, parent_from_camera: Array, camera: SensorCamera) -> Element:
     """Writes a sensor's camera under the element of a body. `parent_from_camera` (4, 4): its pose in that
     element."""
     pose = parent_from_camera @ FRAME_FROM_MUJOCO
-    return _camera(parent, camera.name, pose, camera.fovy, camera.resolution)
+    return _write_camera_element(parent, camera.name, pose, camera.fovy, camera.resolution)
 
 
 def write_overview(world: Element, center: Array, radius: float) -> None:
@@ -92,12 +92,14 @@ def write_overview(world: Element, center: Array, radius: float) -> None:
     distance = 1.1 * max(radius, 1e-3) / np.sin(np.radians(OVERVIEW_FOVY) / 2)
     position = np.round(center + direction * distance, 3)
     pose = from_parts(_look_along(center - position), position) @ FRAME_FROM_MUJOCO
-    _camera(world, "overview", pose, OVERVIEW_FOVY, None)
+    _write_camera_element(world, "overview", pose, OVERVIEW_FOVY, None)
 
 
-def _camera(
+def _write_camera_element(
     parent: Element, name: str, pose: Array, fovy: float, resolution: Collection[int] | None
 ) -> Element:
+    """Writes a camera at a pose (4, 4) in `parent`, with MuJoCo's axes, and returns its element. `fovy`: its
+    vertical field of view [deg]; `resolution`: width and height [pixels]."""
     size = None if resolution is None else " ".join(map(str, resolution))
     return element(parent, "camera", name=name, **placement(pose), fovy=number(fovy), resolution=size)
 

@@ -41,7 +41,7 @@ def disabled_pairs(written: Written) -> DisabledPairs:
         _never_meeting(written, reasons) if recorded is None else recorded.never
     )
     reasons |= dict.fromkeys(distant_pairs or (), "Never")
-    order = {link.name: number for number, link in enumerate(written.robot.links)}
+    order = {link.name: index for index, link in enumerate(written.robot.links)}
     pairs = sorted(reasons, key=lambda pair: (order[pair[0]], order[pair[1]]))
     return DisabledPairs(
         tuple((pair, reasons[pair]) for pair in pairs), partial_pairs, distant_pairs is not None

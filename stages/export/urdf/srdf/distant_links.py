@@ -168,7 +168,9 @@ class _DofCounts:
 
     def __init__(self, robot: Robot) -> None:
         self._parents = {joint.child: joint.parent for joint in robot.joints}
-        self._order = {link.name: number for number, link in enumerate(robot.links)}
+        self._order = {link.name: index for index, link in enumerate(robot.links)}
+        # Each dof has an identifier: that of its driver if it follows one, and a number for the turns of a
+        # ball.
         drivers = {relation.follower: relation.driver for relation in robot.relations}
         self._free = {joint.child for joint in robot.joints if joint.type == "free"}
         self._dofs = {

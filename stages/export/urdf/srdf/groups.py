@@ -9,7 +9,7 @@ from linkwright.stages.formats.urdf.names import urdf_names
 from linkwright.stages.robot.model.robot import Joint, Robot
 from linkwright.stages.robot.text.names import free_name
 
-ALL = "all"
+ALL_JOINTS = "all"
 """Name of the group of all joints."""
 
 _FINGER_PATTERN = re.compile(r"finger|thumb|jaw|claw", re.IGNORECASE)
@@ -45,10 +45,10 @@ class Gripper:
     """The group of its joints."""
 
     parent_link: str
-    """The link that carries its fingers."""
+    """The link that carries the fingers."""
 
     arm: str
-    """The group of the chain to the parent link."""
+    """The group of the chain to the parent link; "" if no group moves it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ def groups_of(robot: Robot, passive: Collection[str]) -> Groups:
         grippers.append(Gripper(group.name, group.name, tree.holder(hand), names[tree.tip_of(hand)]))
     all_joints = tuple(name for joint in robot.joints for name in tree.names[joint.name])
     if all_joints and all(len(chain.joints) < len(all_joints) for chain in chains):
-        groups.append(Group(_group_name(ALL, used_names), all_joints))
+        groups.append(Group(_group_name(ALL_JOINTS, used_names), all_joints))
     return Groups((*chains, *groups), tuple(grippers))
 
 
@@ -99,7 +99,7 @@ def _group_name(proposal: str, used_names: set[str]) -> str:
 class _Tree:
     """The rigid bodies of a robot, each named by its first link, and the joints between them.
 
-    `names`: joint of the robot → its moving joints in the URDF, without free joints, which are in no group.
+    `names`: joint of the robot → its moving joints in the URDF, without free joints, which are in no group;
     `moving`: link → the moving joints on the chain to it; `base`: link → the first link of that chain.
     """
 
@@ -115,7 +115,7 @@ class _Tree:
             for joint in robot.joints
         }
         root = robot.root.name
-        self._place = {link.name: number for number, link in enumerate(robot.links)}
+        self._index_of_link = {link.name: index for index, link in enumerate(robot.links)}
         self._body, self.base = {root: root}, {root: root}
         self.moving: dict[str, tuple[str, ...]] = {root: ()}
         self._links: dict[str, list[str]] = {root: [root]}
@@ -155,12 +155,12 @@ class _Tree:
         return leaves[0] if len(leaves) == 1 else body
 
     def hands(self) -> list[str]:
-        """Returns the bodies beyond which there are only fingers."""
+        """Returns the bodies beyond which there are only fingers. None of them is beyond another."""
         hands: list[str] = []
-        within: set[str] = set()
+        bodies_of_hands: set[str] = set()
         for body in self._links:
-            if body not in within and self.moving[body] and self._carries_fingers(body):
-                within |= {body, *self.below(body)}
+            if body not in bodies_of_hands and self.moving[body] and self._carries_fingers(body):
+                bodies_of_hands |= {body, *self.below(body)}
                 hands.append(body)
         return hands
 
@@ -172,7 +172,7 @@ class _Tree:
         """Returns the moving joints beyond a body, in the order of the robot."""
         inside = {body, *self.below(body)}
         joints = [joint for inner in inside for joint in self._children[inner]]
-        joints.sort(key=lambda joint: self._place[joint.child])
+        joints.sort(key=lambda joint: self._index_of_link[joint.child])
         return tuple(name for joint in joints for name in self.names[joint.name])
 
     def below(self, body: str) -> list[str]:
