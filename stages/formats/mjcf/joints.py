@@ -42,11 +42,15 @@ def joints_in_order(root: Element) -> Iterator[tuple[Element, str]]:
 
 def _inside(body: Element, inherited: str) -> Iterator[tuple[Element, str]]:
     """Yields the joints and bodies of a body with the class that they inherit; a <frame> is not a body."""
-    for node in body.iterchildren(*JOINTS, "body", "frame"):
-        if node.tag == "frame":
-            yield from _inside(node, node.get("childclass", inherited))
-        else:
-            yield node, inherited
+    waiting = [(body, inherited)]
+    while waiting:
+        node, node_class = waiting.pop()
+        if node is not body and node.tag != "frame":
+            yield node, node_class
+            continue
+        class_inside = node_class if node is body else node.get("childclass", node_class)
+        inner_nodes = list(node.iterchildren(*JOINTS, "body", "frame"))
+        waiting += [(inner, class_inside) for inner in reversed(inner_nodes)]
 
 
 def _class_types(root: Element) -> dict[str, str]:

@@ -242,6 +242,9 @@ def test_deep_tree_is_walked():
     text = "<body><joint/>" * 1500 + "</body>" * 1500
     root = parse(f"<mujoco><worldbody>{text}</worldbody></mujoco>".encode(), large=True)
     assert len(list(joints_in_order(root))) == 1500
+    text = "<frame>" * 1500 + "<joint/>" + "</frame>" * 1500
+    root = parse(f"<mujoco><worldbody><body>{text}</body></worldbody></mujoco>".encode(), large=True)
+    assert len(list(joints_in_order(root))) == 1
 
 
 def test_sensors_have_a_size_and_a_unit():
