@@ -1,5 +1,6 @@
 """Compares the joints of a USD with the robot's: resistance, start, drives and relations."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -94,7 +95,7 @@ def _attribute_differences(element: str, actual: Attributes, expected: Attribute
 def _is_same(name: str, actual: float | str | None, expected: float | str | None) -> bool:
     if isinstance(actual, float) and isinstance(expected, float):
         min_scale = 1.0 if name.endswith(POSITION_ENDINGS) else 0.0
-        return actual == expected or abs(actual - expected) <= FLOAT32_TOLERANCE * max(
-            min_scale, abs(expected)
-        )
+        tolerance = FLOAT32_TOLERANCE * max(min_scale, abs(expected))
+        # The tolerance of an infinite number would be infinite.
+        return actual == expected or (math.isfinite(expected) and abs(actual - expected) <= tolerance)
     return actual == expected

@@ -136,6 +136,7 @@ USD = table(
     ("NaN inertia", sub(r"(float3 physics:diagonalInertia = \()[^)]*", r"\g<1>nan, nan, nan"), "inertia"),
     ("NaN place", sub(r'(Xform "arm".*?xformOp:translate = \(0, 0, )0', r"\g<1>nan"), "home"),
     ("limit", sub("physics:upperLimit = 0.5", "physics:upperLimit = 0.6"), "joints"),
+    ("break", sub(r'RevoluteJoint "elbow".*?\{', r"\g<0>\n        float physics:breakForce = 5"), "drives"),
     ("type", sub('PhysicsRevoluteJoint "elbow"', 'PhysicsPrismaticJoint "elbow"'), "joints"),
     ("place", sub(r"(xformOp:translate = \(0, 0, 0)\)", r"\g<1>.1)"), "home"),
     ("inside", sub("(physics:excludeFromArticulation = )1", r"\g<1>0"), "loops"),
