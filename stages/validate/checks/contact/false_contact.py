@@ -70,7 +70,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _is_reported(pair: PairErrors, poses: int) -> bool:
-    """Tells whether a pair is reported."""
+    """Tells whether a pair is reported: it falsely overlaps at home, or its contact is wrong in enough of the
+    poses. Excludes that the source or the user chose are not reported."""
     wrong_poses = max(pair.false_count, pair.missed_count)
     return pair.reason not in CHOSEN_REASONS and (
         pair.home_depth > 0.0 or (wrong_poses >= MIN_COUNT and wrong_poses > MIN_SHARE * poses)

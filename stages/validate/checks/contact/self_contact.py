@@ -54,6 +54,8 @@ def _finding(first: str, second: str, message: str) -> Finding:
 
 
 def _is_excluded(exclude: Exclude, first: int, second: int) -> bool:
+    """Tells whether two colliders are excluded, by their positions among those of their links. An exclude
+    without geoms is for all colliders of both links."""
     return not exclude.geoms or (first, second) in exclude.geoms
 
 

@@ -57,6 +57,7 @@ DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's colour of a geom without a colour."""
 
 KINDS = {BOX: "box", SPHERE: "sphere", CYLINDER: "cylinder", CAPSULE: "capsule", ELLIPSOID: "ellipsoid"}
+"""MuJoCo's type of a geom → the kind of primitive."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,6 +182,7 @@ def _form_differences(model: Any, element: str, expected: WrittenShape, geom: in
 
 
 def _geom_shape(model: Any, geom: int) -> GeomShape:
+    """Returns a compiled geom as a shape, with full sizes where MuJoCo has half sizes."""
     kind, place = int(model.geom_type[geom]), placed(model.geom_quat[geom], model.geom_pos[geom])
     look = _look(model, geom)
     if kind != MESH:

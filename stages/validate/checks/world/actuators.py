@@ -76,6 +76,8 @@ def _differences(model: Any, actuator: Actuator, poses: Mapping[str, Configurati
 
 
 def _ranges(model: Any, index: int, actuator: Actuator, element: str) -> Iterator[Finding]:
+    """Compares the ranges of control and force. Whether there is a range is not compared for an actuator with
+    `saturation`."""
     control = controls_of(model, index).start
     saturated = any(name == "saturation" for name, _ in actuator.terms)
     for attribute, ends, limited, numbers in (
@@ -145,4 +147,5 @@ def _gains(model: Any, index: int, actuator: Actuator) -> list[tuple[str, float,
 
 
 def _is_same_number(value: float, expected: float) -> bool:
+    """Tells whether two numbers are equal within `ENGINE_TOLERANCE`, relative for numbers above 1."""
     return bool(abs(value - expected) <= ENGINE_TOLERANCE * max(1.0, abs(expected)))

@@ -32,9 +32,11 @@ MEANINGS = {
     HOME: "the pose nearest to the saved one within the limits, or with the values that are given",
     SAVED: "the saved pose",
 }
+"""Keyframe → the pose that it must have, for messages; the others have `USER_MEANING`."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Checks the MJCF or the scene that has the robot's keyframes."""
     if compiled.urdf or not compiled.model.nq or not compiled.has_keyframes:
         return
     yield from (_keyframe_check(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
@@ -92,6 +94,7 @@ def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration)
 
 
 def _unnamed_difference(name: str) -> Finding:
+    """Returns the finding on a keyframe whose difference is in no scalar joint and in no link."""
     return Finding(named("key", name), "qpos", "puts a ball or a free body elsewhere than the robot's pose")
 
 

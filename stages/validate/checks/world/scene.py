@@ -56,10 +56,11 @@ FIELDS_BY_ELEMENT = {
         ("forcerange", "actuator_forcerange"),
     ),
 }
-"""The elements that have a name in a model, and the numbers that a scene must leave unchanged."""
+"""(tag, MuJoCo's type) → (attribute, field of the compiled model) of the numbers that a scene must leave
+unchanged."""
 
 DOF_FIELDS = (("damping", "dof_damping"), ("frictionloss", "dof_frictionloss"), ("armature", "dof_armature"))
-"""The numbers of a joint's degrees of freedom."""
+"""(attribute, field of the compiled model) of the numbers of a joint's dofs."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:

@@ -90,6 +90,7 @@ def _misplaced_finding(compiled: CompiledModel, kind: str, name: str, link: str,
 
 
 def _index(model: Any, kind: str, name: str) -> int:
+    """Returns the index of a thing in the model; -1 if it is missing. `kind`: a key of `OBJECT_TYPES`."""
     # An xbody has the name of its body.
     return index_of(model, OBJECT_TYPES["body" if kind == "xbody" else kind], name)
 
@@ -136,7 +137,8 @@ TARGET_ATTRIBUTES: Mapping[str, str] = {"body": "objname", "xbody": "objname", "
 
 
 def _pose_difference(compiled: CompiledModel, kind: str, name: str, link: str, link_from_mount: Any) -> float:
-    """Returns the difference [m, rad] of a site or camera from its place on its link."""
+    """Returns the largest difference of an entry between the pose [m] of a site or camera and its place on
+    its link; infinite if it is missing, or on another body."""
     model = compiled.model
     index = _index(model, kind, name)
     if index < 0:
