@@ -69,8 +69,8 @@ def test_products_are_those_of_the_whole_matrix():
     assert vectors is not None
     assert vectors.shape == (MANY + 1, PROBE_COUNT)
     up = np.tile([0.0, 0.0, 9.81], (3, 1))
-    whole = mechanism.moving(speeds[:3], up).mass
-    products = mechanism.moving(speeds[:3], up, vectors).mass
+    whole = mechanism.dynamics(speeds[:3], up).mass
+    products = mechanism.dynamics(speeds[:3], up, vectors).mass
     np.testing.assert_allclose(products, whole @ vectors, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(own, np.einsum("nii->ni", whole), rtol=1e-12)
     first = {name: float(value[0]) for name, value in few.items()}
