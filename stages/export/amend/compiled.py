@@ -26,27 +26,35 @@ _QVEL = {0: 6, 1: 3, 2: 1, 3: 1}
 def compiled(documents: Documents, role: str, meshes: Mapping[str, bytes]) -> Any:
     """Returns the model of the file with a role, without its keyframes. Raises NotCompiled if MuJoCo refuses
     it. `meshes`: path → content."""
-    roots = {document.role: document.root for document in documents.files}
-    root = deepcopy(roots[role])
-    include = root.find("include")
-    if role == "scene" and include is not None:
-        replace_include(include, list(deepcopy(roots["robot"])))
+    root = _whole_root(documents, role)
     for keyframe in root.findall("keyframe"):
         root.remove(keyframe)
     return compiled_text(to_bytes(root), meshes)
 
 
+def _whole_root(documents: Documents, role: str) -> Element:
+    """Returns a copy of the root of the file with a role; in the scene, the robot's file takes the place of
+    its include."""
+    roots = {document.role: document.root for document in documents.files}
+    root = deepcopy(roots[role])
+    include = root.find("include")
+    if role == "scene" and include is not None:
+        replace_include(include, list(deepcopy(roots["robot"])))
+    return root
+
+
 def fit_keyframes(
     documents: Documents, before: Documents, changes: Sequence[Amendment], meshes: Mapping[str, bytes]
 ) -> list[Surplus]:
-    """Completes the robot's keyframes with values for the joints and actuators that were added to its file,
-    and returns what was added to each file.
+    """Completes the keyframes with values for the joints and actuators that were added, and returns what is
+    not the robot's own in each file that changed, and in the scene. `before`: the files without the
+    amendments; `meshes`: path → content.
 
-    Raises NotCompiled if MuJoCo refuses a file, and Refused if the scene adds joints or actuators: the
-    keyframes are in the robot's file, and have no values for them.
-    """
+    The keyframes are in the robot's file, or in the scene if an MJCF source has moving bodies or actuators
+    there. Raises NotCompiled if MuJoCo refuses a file, and Refused if the keyframes cannot have the values:
+    the scene adds joints or actuators to keyframes of the robot's file, or joints have no names."""
     robot, scene = documents.files
-    old_root = before.files[0].root
+    old_root, old_scene = before.files[0].root, before.files[1].root
     changed = {change.file for change in changes}
     surpluses = []
     robot_surplus = Surplus(robot.path)
@@ -61,6 +69,10 @@ def fit_keyframes(
         _complete_keyframes(robot.root, old_root, model)
         surpluses.append(robot_surplus)
     scene_surplus = Surplus(scene.path, robot_surplus.dofs, robot_surplus.actuators, robot_surplus.equalities)
+    has_scene_keyframes = old_scene.find("keyframe") is not None
+    if has_scene_keyframes and changed:
+        model = compiled(documents, "scene", meshes)
+        _complete_keyframes(scene.root, _whole_root(before, "scene"), model)
     if scene.path in changed:
         scene_surplus = _surplus(scene.path, compiled(documents, "scene", meshes), old_root)
         if robot.root.find("keyframe") is not None:
@@ -143,11 +155,16 @@ def _complete_keyframes(root: Element, old: Element, model: Any) -> None:
 
 
 def _complete_keyframe(key: Element, old: Element, model: Any) -> None:
+    """Completes `qpos` and `ctrl` of a keyframe: what was added has its value at qpos0, and the control 0."""
     values = key.get("qpos", "").split()
     if len(values) != model.nq:
         texts = [number(float(value)) for value in model.qpos0]
         start = 0
-        for name in _joints(old):
+        names = _joints(old)
+        if "" in names:
+            text = "a joint has no name, so its values in the keyframes are unknown after this change"
+            raise Refused(text, "elements", "name it in the source, or leave out the elements with joints")
+        for name in names:
             joint = model.joint(name)
             size, address = _QPOS[int(joint.type[0])], int(joint.qposadr[0])
             texts[address : address + size] = values[start : start + size]

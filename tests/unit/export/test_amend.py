@@ -13,6 +13,7 @@ from linkwright.stages.robot.errors import ExportError
 from linkwright.stages.robot.model.amendments import Surplus
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.validate import validate
+from tests.support import mjcfs
 from tests.support.building import plan_of, write
 from tests.support.exports import messages_of
 from tests.support.robots import at, joint, loop, robot_with
@@ -171,6 +172,25 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path):
         assert key.qpos[first : first + 7].tolist() == [1, 0, 1, 1, 0, 0, 0]
         assert key.ctrl[added.actuator("elbow").id] == old.ctrl[0]
         assert key.ctrl[added.actuator("extra").id] == 0
+
+
+@pytest.mark.parametrize("into", [{"name": "base"}, {"tag": "worldbody", "file": "scene"}])
+def test_keyframes_of_a_scene_with_moving_bodies_are_completed(tmp_path, into):
+    """A source with a ball beside the robot: its keyframes are in the scene."""
+    hinge = '<joint name="hinge" axis="0 1 0"/><geom size="0.05"/>'
+    loose = '<body name="loose" pos="1 0 1"><freejoint name="rolls"/><geom size="0.1"/></body>'
+    key = '<keyframe><key name="home" qpos="0.1 1 0 1 1 0 0 0"/></keyframe>'
+    source = mjcfs.written(tmp_path, mjcfs.model(mjcfs.body("base", hinge, pos="0 0 1") + loose, key))
+    hung = "<body name='hung'><joint name='swings' ref='0.2'/><geom size='0.01' mass='0.1'/></body>"
+    outcome = mjcfs.rebuilt(source, elements={"hung": add(hung, into)})
+    for path, data in outcome.files.items():
+        (tmp_path / path).write_bytes(data)
+    added = model(tmp_path)
+    qpos = added.key("home").qpos
+    values = {name: qpos[added.joint(name).qposadr[0]] for name in ("hinge", "swings")}
+    assert values == {"hinge": 0.1, "swings": 0.2}
+    first = added.joint("rolls").qposadr[0]
+    assert qpos[first : first + 7].tolist() == [1, 0, 1, 1, 0, 0, 0]
 
 
 @pytest.mark.skipif(not hasattr(mujoco.MjModel, "nactuator"), reason="an actuator has a single control")
