@@ -52,7 +52,8 @@ def fit_keyframes(
 
     The keyframes are in the robot's file, or in the scene if an MJCF source has moving bodies or actuators
     there. Raises NotCompiled if MuJoCo refuses a file, and Refused if the keyframes cannot have the values:
-    the scene adds joints or actuators to keyframes of the robot's file, or joints have no names."""
+    the scene adds joints or actuators to keyframes of the robot's file, or joints have no names.
+    """
     robot, scene = documents.files
     old_root, old_scene = before.files[0].root, before.files[1].root
     changed = {change.file for change in changes}
@@ -69,12 +70,12 @@ def fit_keyframes(
         _complete_keyframes(robot.root, old_root, model)
         surpluses.append(robot_surplus)
     scene_surplus = Surplus(scene.path, robot_surplus.dofs, robot_surplus.actuators, robot_surplus.equalities)
-    has_scene_keyframes = old_scene.find("keyframe") is not None
-    if has_scene_keyframes and changed:
+    # Surroundings of an MJCF source, which count as surplus, too.
+    has_mechanism = any(old_scene.find(tag) is not None for tag in ("keyframe", "equality", "actuator"))
+    if scene.path in changed or (changed and has_mechanism):
         model = compiled(documents, "scene", meshes)
+        scene_surplus = _surplus(scene.path, model, old_root)
         _complete_keyframes(scene.root, _whole_root(before, "scene"), model)
-    if scene.path in changed:
-        scene_surplus = _surplus(scene.path, compiled(documents, "scene", meshes), old_root)
         if robot.root.find("keyframe") is not None:
             _refuse_scene_additions(
                 robot_surplus,

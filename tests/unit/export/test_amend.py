@@ -182,9 +182,8 @@ def test_keyframes_of_a_scene_with_moving_bodies_are_completed(tmp_path, into):
     key = '<keyframe><key name="home" qpos="0.1 1 0 1 1 0 0 0"/></keyframe>'
     source = mjcfs.written(tmp_path, mjcfs.model(mjcfs.body("base", hinge, pos="0 0 1") + loose, key))
     hung = "<body name='hung'><joint name='swings' ref='0.2'/><geom size='0.01' mass='0.1'/></body>"
-    outcome = mjcfs.rebuilt(source, elements={"hung": add(hung, into)})
-    for path, data in outcome.files.items():
-        (tmp_path / path).write_bytes(data)
+    _, failures = mjcfs.built(source, tmp_path, elements={"hung": add(hung, into)})
+    assert failures == ()
     added = model(tmp_path)
     qpos = added.key("home").qpos
     values = {name: qpos[added.joint(name).qposadr[0]] for name in ("hinge", "swings")}
