@@ -18,7 +18,7 @@ from linkwright.stages.export.robot_json import describe
 from linkwright.stages.export.scene import scene_of
 from linkwright.stages.export.section import FORMATS, ExportSections
 from linkwright.stages.export.sensors.measure import sensing_of
-from linkwright.stages.export.settled import changes, settled
+from linkwright.stages.export.settled import report_changes, settle
 from linkwright.stages.export.urdf.form import form_of
 from linkwright.stages.export.variants.build import make_variants
 from linkwright.stages.export.writer import Exported, FormatFiles, WriterInput
@@ -52,7 +52,7 @@ def build(
 ) -> Exported:
     """Returns the robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express. `texts`: entry of `elements` → the text of the file that it names."""
-    keys, changed = settled(keys, robot), [*changes(keys, robot)]
+    keys, changed = settle(keys, robot), [*report_changes(keys, robot)]
     standing = stand(robot, geometry, keys)
     written, remarks = _written(robot, geometry, keys, standing)
     inputs = WriterInput(written, keys, standing)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.stages.export.actuators.actuate import actuate
 from linkwright.stages.export.actuators.gravity import gravity_of
-from linkwright.stages.export.ground.footing import supports
+from linkwright.stages.export.ground.footing import ground_supports
 from linkwright.stages.export.stability.armatures import with_armatures
 from linkwright.stages.export.stability.compiled_trial import compiled_trial
 from linkwright.stages.export.writer import WriterInput
@@ -39,7 +39,7 @@ def driven(
     up = -world_from_root[:3, :3].T @ gravity
 
     def supports_at(weighing_robot: Robot, q: Configuration) -> tuple[GroundSupport, ...]:
-        return supports(weighing_robot, geometry, standing.placed(q), keys.ground, q, up)
+        return ground_supports(weighing_robot, geometry, standing.placed(q), keys.ground, q, up)
 
     timestep = keys.scene.option.timestep
     actuation, diagnostics = actuate(

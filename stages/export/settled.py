@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from linkwright.stages.export.section import ExportSection, ExportSections
 
 
-def settled(keys: "ExportSections", robot: Robot) -> "ExportSections":
+def settle(keys: "ExportSections", robot: Robot) -> "ExportSections":
     """Returns the keys with all of MuJoCo's options: the user's have precedence over those of the targets, of
     the source, and the defaults. The ground is left out if the source has one, and the keys of formats have
     the values that a target needs."""
@@ -44,7 +44,7 @@ def _formats(keys: "ExportSections") -> "ExportSection":
     return formats
 
 
-def changes(keys: "ExportSections", robot: Robot) -> Iterator[Diagnostic]:
+def report_changes(keys: "ExportSections", robot: Robot) -> Iterator[Diagnostic]:
     """Reports each setting of the user's keys that a target sets or replaces (I-TARGET)."""
     extras, option, target = robot.mjcf or NO_EXTRAS, keys.scene.option, keys.target
     user = {**option.explicit(), **option.flag.explicit()}

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from lxml import etree
 
-from linkwright.stages.export.ground.footing import balanced, mass_and_center, touching
+from linkwright.stages.export.ground.footing import ground_contacts, mass_and_center, weight_shares
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.fetch.urdf.gather import gather
 from linkwright.stages.graph import build_robot
@@ -224,16 +224,16 @@ def _unsteady(robot, geometry, plan):
     if not geometry.shapes or all(shape.role != "collision" for shape in geometry.shapes):
         return "it has no colliders"
     standing, pose = stand(robot, geometry, plan), home(robot)
-    contacts = list(touching(robot, geometry, standing.world_from_root, plan.ground, pose))
+    contacts = list(ground_contacts(robot, geometry, standing.world_from_root, plan.ground, pose))
     points = np.array([point for _, point in contacts])
     up = standing.world_from_root[:3, :3].T @ [0.0, 0.0, 1.0]
     _, center = mass_and_center(robot, pose)
     links = sorted({link for link, _ in contacts})
-    if not balanced(points, center, up).any():
+    if not weight_shares(points, center, up).any():
         return f"its centre of mass is not above what touches the ground: {', '.join(links)}"
     around = [MARGIN * np.array([np.cos(angle), np.sin(angle), 0]) for angle in np.arange(16) * np.pi / 8]
     if not all(
-        balanced(points, center + standing.world_from_root[:3, :3].T @ off, up).any() for off in around
+        weight_shares(points, center + standing.world_from_root[:3, :3].T @ off, up).any() for off in around
     ):
         edge = f"its centre of mass is within {1e3 * MARGIN:g} mm of the edge of what touches the ground"
         return f"{edge}: {', '.join(links)}"

@@ -55,8 +55,8 @@ def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
 
 
 def max_stiffness(load: Load, timestep: float, coupled: bool) -> float:
-    """Returns the largest stiffness for which an armature within `MAX_ARMATURE_SHARE` is enough. `coupled`:
-    whether the dof moves other dofs, by a loop or a relation."""
+    """Returns the largest stiffness [N m/rad or N/m] for which an armature within `MAX_ARMATURE_SHARE` is
+    enough. `coupled`: whether the dof moves other dofs, by a loop or a relation."""
     return MAX_ARMATURE_SHARE * load.carried * (_max_step_phase(coupled) / timestep) ** 2
 
 
@@ -79,22 +79,25 @@ def longest_timestep(kp: float, load: Load, coupled: bool) -> float:
 
 
 def damping(kp: float, ratio: float, inertia: float) -> float:
-    """Returns the damping of a position servo [N m s/rad or N s/m] at the dof. `ratio`: its damping ratio."""
+    """Returns the damping of a position servo [N m s/rad or N s/m] at the dof. `kp` [N m/rad or N/m]: its
+    stiffness; `ratio`: its damping ratio; `inertia` [kg m² or kg]: what it moves."""
     return rounded(2.0 * ratio * math.sqrt(kp * inertia))
 
 
-def velocity_gain(kind: DofKind, load: Load, set_armature: float, effort: float | None) -> float:
-    """Returns the gain of a velocity servo [N m s/rad or N s/m] at the dof."""
+def velocity_gain(kind: DofKind, load: Load, estimated_armature: float, effort: float | None) -> float:
+    """Returns the gain of a velocity servo [N m s/rad or N s/m] at the dof. `estimated_armature` [kg m² or
+    kg]: the armature that the dof gets, without one that is set, which the load includes; `effort` [N m or
+    N]."""
     return rounded(
         max(
             LOAD_MARGIN * _load_within(load, effort) / MAX_DRIFT[kind],
-            (load.largest_inertia + set_armature) * MIN_FREQUENCY,
+            (load.largest_inertia + estimated_armature) * MIN_FREQUENCY,
         )
     )
 
 
 def _load_within(load: Load, effort: float | None) -> float:
-    """Returns the largest force of the load, at most the effort [N m or N]."""
+    """Returns the largest force [N m or N] of the load, but at most the effort."""
     return load.largest_force if effort is None else min(load.largest_force, effort)
 
 

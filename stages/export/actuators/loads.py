@@ -47,15 +47,15 @@ class Load:
     """The largest inertia [kg m² or kg] that the dof moves, with the armatures that are set."""
 
     standing: float = 0.0
-    """The inertia of the robot about a dof between a foot and the root while the foot stands; 0 for
-    others."""
+    """The inertia [kg m² or kg] of the robot about a dof between a foot and the root while the foot stands; 0
+    for other dofs."""
 
     left_out: tuple[float, ...] = ()
     """The values of the dof at the poses that are left out, because a loop is near a singular pose there."""
 
     @property
     def carried(self) -> float:
-        """The largest inertia that the dof moves, in the air or while a foot stands."""
+        """The largest inertia [kg m² or kg] that the dof moves, in the air or while a foot stands."""
         return max(self.largest_inertia, self.standing)
 
 
@@ -76,9 +76,11 @@ class LoadBounds:
     """The diagonal [m] of the box around the centres of mass in all poses."""
 
     def force(self, kind: DofKind) -> float:
+        """Returns the largest force [N m or N] of a dof of this kind."""
         return MAX_LEVERAGE * self.weight * (1.0 if kind == "slide" else self.reach)
 
     def inertia(self, kind: DofKind) -> float:
+        """Returns the largest inertia [kg m² or kg] that a dof of this kind moves."""
         return self.mass * (1.0 if kind == "slide" else self.reach**2)
 
 
@@ -139,7 +141,7 @@ def loads(
     feet = {} if robot.base.fixed or not np.any(up) else _feet(robot, up)
     share = 2.0 / max(2, len(feet))
     forces_on_feet = holding_forces(lightened, values, up, share) if feet else {}
-    on_feet = {name for way in feet.values() for name in way}
+    dofs_above_feet = {name for names in feet.values() for name in names}
     inertias_on_feet = held_inertias(robot, home(robot)) if feet else {}
     rows = _inertia_rows(values)
     inertias = _inertias(robot, values, rates, rows)
@@ -147,7 +149,7 @@ def loads(
     loads_of = {}
     for dof in driven:
         force_sizes, moved_inertia, standing = np.abs(combined_force(forces, rates[dof])), inertias[dof], 0.0
-        if dof in on_feet:
+        if dof in dofs_above_feet:
             force_sizes = np.maximum(force_sizes, np.abs(combined_force(forces_on_feet, rates[dof])))
             standing = share * float(inertias_on_feet[dof].max())
         excluded = np.zeros(count_of(values), dtype=bool)
@@ -164,7 +166,8 @@ def loads(
 
 
 def combined_force(forces: Mapping[str, Array], rates: Rates) -> Array:
-    """Returns the force (n,) at a dof that does the same work as the forces at all dofs that move with it."""
+    """Returns the force (n,) at a dof that does the same work as the forces at all dofs that move with it.
+    `forces`: dof → its force (n, k); `rates`: dof → its speeds (n, k) for a unit speed of the dof."""
     parts = [(forces[name] * speeds).sum(axis=1) for name, speeds in rates.items() if name in forces]
     total: Array = np.sum(parts, axis=0)
     return total
@@ -223,7 +226,9 @@ def _inertias(
         [np.full(SPEEDS[dof.kind], dof.dynamics.armature or 0.0) for dof in robot.dofs] or [np.zeros(0)]
     )
     ends = np.cumsum([0, *(SPEEDS[dof.kind] for dof in robot.dofs)])
-    columns = {dof.name: slice(a, b) for dof, a, b in zip(robot.dofs, ends, ends[1:], strict=False)}
+    columns = {
+        dof.name: slice(start, end) for dof, start, end in zip(robot.dofs, ends, ends[1:], strict=False)
+    }
     inertias: dict[str, list[float]] = {dof: [] for dof in rates}
     for index, row in enumerate(rows):
         matrix = mass_matrix(robot, _configuration_at(poses, index)) + np.diag(armature)

@@ -22,7 +22,7 @@ from linkwright.stages.robot.text.names import free_name
 
 
 @dataclass(frozen=True, slots=True)
-class TooStiff:
+class TooStiffServo:
     """A servo that is too stiff for the time step with an armature no larger than the inertia that it
     moves."""
 
@@ -59,7 +59,7 @@ class ActuatorMaker:
         self.loads = loads
         self.armatures: list[Armature] = []
         self.overridden: list[OverriddenValue] = []
-        self.too_stiff: list[TooStiff] = []
+        self.too_stiff: list[TooStiffServo] = []
 
     def actuators(
         self, dofs: Sequence[Dof], choices: Mapping[str, ChosenActuator], kept: Sequence[Actuator]
@@ -72,7 +72,9 @@ class ActuatorMaker:
             if dof.name in choices:
                 actuators.append(self._actuator_of(dof, choices[dof.name]))
             else:
-                actuators += self._kept(dof, [actuator for actuator in kept if actuator.dof == dof.name])
+                actuators += self._source_actuators(
+                    dof, [actuator for actuator in kept if actuator.dof == dof.name]
+                )
         return actuators
 
     def _actuator_of(self, dof: Dof, choice: ChosenActuator) -> Actuator:
@@ -108,7 +110,7 @@ class ActuatorMaker:
             )
         return self._at_home(actuator)
 
-    def _kept(self, dof: Dof, actuators: Sequence[Actuator]) -> Iterator[Actuator]:
+    def _source_actuators(self, dof: Dof, actuators: Sequence[Actuator]) -> Iterator[Actuator]:
         """Yields the actuators of the source, with their loads and their controls at home. The first that can
         hold the dof holds it."""
         load = self.loads.get(dof.name)
@@ -131,12 +133,13 @@ class ActuatorMaker:
         return tuple((keyframe, min(max(needed, low), high)) for keyframe, needed in forces.items())
 
     def _stiffness(self, dof: Dof, load: Load | None, parameters: Mapping[str, Any], gear: float) -> float:
-        """Returns the stiffness at the dof, as set or estimated."""
+        """Returns the stiffness [N m/rad or N/m] at the dof, as set or estimated, and records a servo that is
+        too stiff for the time step."""
         coupled = dof.name in self._coupled
         kp = parameters.get("kp")
         if load is None or dof.kind not in gains.SAG:
             return 1.0 if kp is None else float(kp) * gear**2
-        largest_force = strongest(dof, parameters.get("forcerange"), gear)
+        largest_force = max_force_at_dof(dof, parameters.get("forcerange"), gear)
         effort = None if math.isinf(largest_force) else largest_force
         required = gains.stiffness(dof.kind, load, effort) or 1.0
         stiff = required if kp is None else float(kp) * gear**2
@@ -149,10 +152,11 @@ class ActuatorMaker:
         if kp is not None or min(load.largest_force, largest_force) / softer > gains.SAG[dof.kind]:
             rigid = max(required, stiff)
             step = gains.longest_timestep(rigid, load, coupled)
-            self.too_stiff.append(TooStiff(dof.name, softer, rigid, step))
+            self.too_stiff.append(TooStiffServo(dof.name, softer, rigid, step))
         return softer
 
     def _armature(self, dof: Dof, load: Load | None, stiff: float) -> float:
+        """Returns the armature [kg m² or kg] of a dof, and records it if it is estimated."""
         if dof.dynamics.armature is not None:
             return dof.dynamics.armature
         value = gains.armature(stiff, load, self._timestep, dof.name in self._coupled)
@@ -162,6 +166,8 @@ class ActuatorMaker:
     def _servo(
         self, actuator: Actuator, dof: Dof, parameters: Mapping[str, Any], stiff: float, armature: float
     ) -> Actuator:
+        """Returns the actuator with kp and kv, before the gear, as set or estimated. `stiff` [N m/rad or N/m]
+        and `armature` [kg m² or kg]: at the dof."""
         estimated = []
         kp, kv = parameters.get("kp"), parameters.get("kv")
         load = self.loads.get(dof.name)
@@ -191,12 +197,13 @@ class ActuatorMaker:
         return {name: pose[dof] for name, pose in self._poses.items()}
 
     def _at_home(self, actuator: Actuator) -> Actuator:
+        """Returns the actuator with the control that holds its dof at `home`."""
         value = self._poses[HOME][actuator.dof]
         assert not isinstance(value, tuple)
         return replace(actuator, home=holding_control(actuator, value, actuator.force_at(HOME)))
 
 
-def strongest(dof: Dof, force: tuple[float, float] | None, gear: float) -> float:
+def max_force_at_dof(dof: Dof, force: tuple[float, float] | None, gear: float) -> float:
     """Returns the largest force [N m or N] at the dof, by its effort and by the force range of its actuator
     (before the gear); infinite without either."""
     actuator_force = math.inf if force is None else max(map(abs, force)) * abs(gear)

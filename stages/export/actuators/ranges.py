@@ -19,7 +19,7 @@ def control_range(dof: Dof, actuator: Actuator, parameters: Mapping[str, Any]) -
     if actuator.type in ("position", "pid"):
         low, high = dof.limits.mapped(gear).interval
         return None if math.isinf(low) or math.isinf(high) or low == high else (low, high)
-    largest = _largest_control(dof, actuator.type, parameters)
+    largest = _max_dof_bound(dof, actuator.type, parameters)
     if largest is None:
         return None
     # The force at the dof is gear times the control, the actuator's speed is gear times the dof's, and a
@@ -31,8 +31,9 @@ def control_range(dof: Dof, actuator: Actuator, parameters: Mapping[str, Any]) -
 def with_keyframe_targets(
     limits: tuple[float, float] | None, dof: Dof, actuator: Actuator, values: Mapping[str, Value]
 ) -> tuple[float, float] | None:
-    """Widens a servo's control range to the targets that hold the dof in its keyframes. At the end of the
-    dof's limits such a target lies beyond them, because a servo sags under load."""
+    """Returns a servo's control range, widened to the targets that hold the dof in its keyframes; the range
+    of another actuator as it is. At the end of the dof's limits such a target lies beyond them, because a
+    servo sags under load."""
     if limits is None or actuator.type not in ("position", "pid"):
         return limits
     low, high = limits
@@ -43,7 +44,9 @@ def with_keyframe_targets(
     return low, high
 
 
-def _largest_control(dof: Dof, actuator_type: str, parameters: Mapping[str, Any]) -> float | None:
+def _max_dof_bound(dof: Dof, actuator_type: str, parameters: Mapping[str, Any]) -> float | None:
+    """Returns the dof's velocity [rad/s or m/s] or effort [N m or N], or the nominal voltage [V] of a DC
+    motor, whichever bounds the control of this type; None without a bound."""
     if actuator_type in ("velocity", "intvelocity"):
         return dof.dynamics.velocity
     if actuator_type == "motor":

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from linkwright.stages.export.actuators.choices import ChosenActuator
-from linkwright.stages.export.actuators.make import ActuatorMaker, strongest
+from linkwright.stages.export.actuators.make import ActuatorMaker, max_force_at_dof
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.actuation import Actuation
 from linkwright.stages.robot.model.robot import Dof, Robot
@@ -40,7 +40,8 @@ def report_actuation(
         f"{actuator.name} ({actuator.load:.3g} of {largest_force:.3g})"
         for actuator in actuation.actuators
         if actuator.load is not None
-        and actuator.load > (largest_force := strongest(dofs[actuator.dof], actuator.force, actuator.gear))
+        and actuator.load
+        > (largest_force := max_force_at_dof(dofs[actuator.dof], actuator.force, actuator.gear))
     ]
     if weak:
         text = (
@@ -72,7 +73,7 @@ def report_couplings(
                 text += f"; its kp of {actuator.kp:g} assumes no load, since {movers[0]} bears the weight"
             hint = f"drive one of the two: actuators: {{{yaml_key(movers[0])}: none}}"
             log.report("W-ACTUATOR-TWICE", text, WHERE, hint)
-        bounding = _bounding(actuator.dof, rates, limits)
+        bounding = _bounding_dofs(actuator.dof, rates, limits)
         if actuator.control is None and actuator.type in ("position", "pid") and bounding:
             text = f"{actuator.dof} has no limits of its own, so its control has no range; "
             text += f"other dofs that move with it have limits: {name_list(bounding)}"
@@ -96,11 +97,15 @@ def report_passive(
 
 
 def _moves(moved: Rates, name: str) -> bool:
+    """Returns whether the dof `name` is among the dofs that move, and does not rest."""
     return name in moved and bool(np.abs(moved[name]).max(initial=0.0) > MAX_SPEED_AT_REST)
 
 
-def _bounding(name: str, rates: Mapping[str, Rates], limits: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Returns the dofs with two limits that move with the dof `name`."""
+def _bounding_dofs(
+    name: str, rates: Mapping[str, Rates], limits: Mapping[str, tuple[float, float]]
+) -> list[str]:
+    """Returns the other dofs that move with the dof `name` and have two limits. `limits`: turn or slide →
+    (lower, upper); infinite without a limit."""
     moved = rates.get(name, {})
     return [
         other
@@ -112,7 +117,7 @@ def _bounding(name: str, rates: Mapping[str, Rates], limits: Mapping[str, tuple[
 def _report_sag(actuation: Actuation, dofs: Mapping[str, Dof], log: Diagnostics) -> None:
     """Reports servos whose gain is set, and that the weight moves far from their target at `home`
     (W-ACTUATOR-SAG)."""
-    sagging, by_motor = [], set()
+    sagging, kp_from_motor = [], set()
     for actuator in actuation.actuators:
         dof = dofs[actuator.dof]
         if (
@@ -123,17 +128,17 @@ def _report_sag(actuation: Actuation, dofs: Mapping[str, Dof], log: Diagnostics)
         ):
             continue
         unit = "rad" if dof.kind == "turn" else "m"
-        largest_force = strongest(dof, actuator.force, actuator.gear)
+        largest_force = max_force_at_dof(dof, actuator.force, actuator.gear)
         limit = "no force limit" if math.isinf(largest_force) else f"force limit {largest_force:.3g}"
         cause = f"load {actuator.home_load:.3g}, {limit}, kp {actuator.kp:.3g}"
         sagging.append(f"{actuator.name} by {actuator.sag:.2g} {unit} ({cause})")
-        by_motor.add("kp" in dict(actuator.sources))
+        kp_from_motor.add("kp" in dict(actuator.sources))
     if sagging:
         text = "at home the robot's weight moves servos from their targets [load in N m or N]"
         hint = "raise kp, or leave it out: it is estimated then"
-        if by_motor == {True}:
+        if kp_from_motor == {True}:
             hint = "these motors sag with their own kp: give another kp, or gravcomp"
-        elif True in by_motor:
+        elif True in kp_from_motor:
             hint = "raise kp; some of these kp are the motors' own: give another kp, or gravcomp"
         log.report("W-ACTUATOR-SAG", f"{text}: {name_list(sagging)}", WHERE, hint)
 

@@ -33,7 +33,9 @@ class _Copy:
 
     load: Load
 
-    def is_of(self, other: "_Copy") -> bool:
+    def is_copy_of(self, other: "_Copy") -> bool:
+        """Returns whether both dofs have the same place, kind, dynamics and range, and similar masses and
+        loads."""
         first, second = self.dof, other.dof
         return (
             first.kind == second.kind
@@ -41,8 +43,8 @@ class _Copy:
             and first.dynamics == second.dynamics
             and math.isclose(_width(first), _width(second), rel_tol=1e-6)
             and math.isclose(self.mass, other.mass, rel_tol=MASS_TOLERANCE)
-            and _similar(self.load.largest_force, other.load.largest_force)
-            and _similar(self.load.largest_inertia, other.load.largest_inertia)
+            and _are_similar(self.load.largest_force, other.load.largest_force)
+            and _are_similar(self.load.largest_inertia, other.load.largest_inertia)
         )
 
 
@@ -50,8 +52,8 @@ def share_loads(robot: Robot, loads: Mapping[str, Load]) -> dict[str, Load]:
     """Returns the loads, where each copy has the largest `largest_force` and `largest_inertia` among its
     copies."""
     groups: list[list[_Copy]] = []
-    for copy in _copies(robot, loads):
-        group = next((group for group in groups if copy.is_of(group[0])), None)
+    for copy in _dofs_with_loads(robot, loads):
+        group = next((group for group in groups if copy.is_copy_of(group[0])), None)
         if group is None:
             groups.append([copy])
         else:
@@ -67,7 +69,7 @@ def share_loads(robot: Robot, loads: Mapping[str, Load]) -> dict[str, Load]:
     }
 
 
-def _copies(robot: Robot, loads: Mapping[str, Load]) -> Iterator[_Copy]:
+def _dofs_with_loads(robot: Robot, loads: Mapping[str, Load]) -> Iterator[_Copy]:
     depths: dict[str, int] = {robot.root.name: 0}
     for joint in robot.joints:
         depths[joint.child] = depths[joint.parent] + 1
@@ -79,16 +81,18 @@ def _copies(robot: Robot, loads: Mapping[str, Load]) -> Iterator[_Copy]:
 
 
 def _subtree_masses(joints: tuple[Joint, ...], masses: dict[str, float]) -> dict[str, float]:
-    """Returns, by link, the mass [kg] of it and of all links below it."""
+    """Returns, by link, the mass [kg] of it and of all links below it: `masses` itself, with sums in place of
+    the links' own masses."""
     for joint in reversed(joints):
         masses[joint.parent] += masses[joint.child]
     return masses
 
 
 def _width(dof: Dof) -> float:
+    """Returns the width [rad or m] of a dof's range; infinite without a limit."""
     low, high = dof.limits.interval
     return high - low
 
 
-def _similar(first: float, second: float) -> bool:
+def _are_similar(first: float, second: float) -> bool:
     return max(first, second) <= MAX_LOAD_RATIO * min(first, second)

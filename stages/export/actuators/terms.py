@@ -11,12 +11,14 @@ UNBOUNDED_END = 1e6
 """Substitute for an infinite end of the range of a target: MuJoCo up to 3.10 requires a finite range."""
 
 GENERAL_PARAMETERS = ("dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm")
+"""Parameters of the type general, with MuJoCo's names, in the order in which they are written."""
 
 
 def terms_of(
     kind: str, parameters: Mapping[str, Any], dof: Dof, gear: float, timestep: float
 ) -> tuple[tuple[str, str], ...]:
-    """Returns (attribute, text) in a fixed order. `timestep` [s]: MuJoCo stores delays in whole steps."""
+    """Returns (attribute, text) in a fixed order, for an actuator of the type `kind` before the gear.
+    `timestep` [s]: MuJoCo stores a delay as a number of steps."""
     return tuple(_attributes(kind, parameters, dof, gear, timestep))
 
 

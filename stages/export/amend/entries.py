@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from linkwright.stages.export.amend.documents import Documents, Refused, XmlFile, in_words
+from linkwright.stages.export.configuration.element_section import FORMATS, TAG
 from linkwright.stages.formats.numbers import number
 from linkwright.stages.formats.own_xml import language_of, named_elements, unknown_tag
 from linkwright.stages.formats.xml import Element, Malformed, element, fragment
@@ -15,9 +16,6 @@ from linkwright.stages.robot.text.globs import name_list
 if TYPE_CHECKING:
     from linkwright.stages.export.configuration.element_section import IntoSection
     from linkwright.stages.export.section import ExportSections
-
-FORMATS, TAG = "formats", "tag"
-"""Keys of an entry of `attributes` that are not attributes themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +40,18 @@ class Insertion:
         holder = _parent_for(target) if documents.form == "mjcf" else target
         added = [deepcopy(node) for node in self.elements]
         holder.extend(added)
-        self._require_new(document, added, taken, documents.form == "urdf")
+        self._require_new_names(document, added, taken, documents.form == "urdf")
         return Amendment(self.key, document.path, in_words(target), tuple(map(in_words, added)))
 
-    def _require_new(
+    def _require_new_names(
         self,
         document: XmlFile,
         added: Sequence[Element],
         taken: Mapping[tuple[str, str], tuple[str, Element]],
         urdf: bool,
     ) -> None:
+        """Raises Refused if an added element has the name of another. `taken`: (kind, name) → path of the
+        file and element, before the addition; `urdf`: whether the names are those of a URDF."""
         added_ids = {id(node) for added_element in added for node in added_element.iter()}
         seen: set[tuple[str, str]] = set()
         for kind, name, node in named_elements(document.root, urdf):
@@ -151,6 +151,7 @@ def _has_unique_name(node: Element) -> bool:
 
 
 def _text(value: Any) -> str | None:
+    """Returns the value of an attribute as XML has it; None for null, which removes the attribute."""
     if value is None or isinstance(value, str):
         return value
     if isinstance(value, bool):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Annotated, Any, Literal, Self, get_args
 
@@ -15,7 +16,7 @@ AmendableFormat = Literal["urdf", "mjcf"]
 UNAMENDABLE_FORMATS = ("sdf",)
 """Formats whose files are XML, but cannot be amended."""
 
-_NAMES = get_args(AmendableFormat)
+_AMENDABLE_NAMES = get_args(AmendableFormat)
 
 FORMATS, TAG = "formats", "tag"
 """Keys in an entry of `attributes` that are not attributes themselves: neither MJCF nor URDF has attributes
@@ -26,14 +27,17 @@ _UNPRINTABLE = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff
 
 
 def _amendable(formats: Any) -> Any:
-    """Raises an error for formats that cannot be amended."""
+    """Returns the formats; raises an error for formats of XML that cannot be amended."""
     for name in formats if isinstance(formats, list | tuple) else ():
         if name in UNAMENDABLE_FORMATS:
-            raise invalid(f"may have {' and '.join(_NAMES)} alone: {name} is written without XML of your own")
+            raise invalid(
+                f"may have {' and '.join(_AMENDABLE_NAMES)} alone: {name} is written without XML of your own"
+            )
     return formats
 
 
 def _well_formed(text: str) -> str:
+    """Returns the text; raises an error if it is not XML."""
     # Imported late: most robots have no own elements, and the module imports lxml.
     from linkwright.stages.formats.xml import Malformed, fragment
 
@@ -99,25 +103,29 @@ class ElementSection(Section):
         return self
 
 
-def _value(value: Any) -> Any:
+def _attribute_value(value: Any) -> Any:
     """Returns an attribute's value if it is null, text, a number, true or false, or a list of texts or
     numbers."""
     several = isinstance(value, list | tuple)
     for item in value if several else [value]:
         if isinstance(item, str) and _UNPRINTABLE.search(item):
             raise invalid("must not have characters that XML does not allow")
-        if isinstance(item, float) and item - item != 0:
+        if isinstance(item, float) and not math.isfinite(item):
             raise invalid("must be finite")
         if not isinstance(item, str | int | float) and (several or item is not None):
             raise invalid("must be text, a number, true, false, null, or a list of numbers or texts")
     return list(value) if several else value
 
 
-def _attributes(entry: dict[str, Any]) -> dict[str, Any]:
+def _checked_entry(entry: dict[str, Any]) -> dict[str, Any]:
+    """Returns an entry of `attributes`; raises an error for wrong `formats`, a wrong `tag`, or names that no
+    attribute can have."""
     formats = entry.get(FORMATS)
     _amendable(entry.get(FORMATS))
-    if FORMATS in entry and not (isinstance(formats, list) and formats and set(formats) <= set(_NAMES)):
-        raise invalid(f"formats must be a list of {', '.join(_NAMES)}")
+    if FORMATS in entry and not (
+        isinstance(formats, list) and formats and set(formats) <= set(_AMENDABLE_NAMES)
+    ):
+        raise invalid(f"formats must be a list of {', '.join(_AMENDABLE_NAMES)}")
     if TAG in entry and not isinstance(entry[TAG], str):
         raise invalid("tag must be text")
     attribute_names = [name for name in entry if name not in (FORMATS, TAG)]
@@ -129,5 +137,7 @@ def _attributes(entry: dict[str, Any]) -> dict[str, Any]:
     return entry
 
 
-AttributeChoice = Annotated[dict[Text, Annotated[Any, AfterValidator(_value)]], AfterValidator(_attributes)]
+AttributeChoice = Annotated[
+    dict[Text, Annotated[Any, AfterValidator(_attribute_value)]], AfterValidator(_checked_entry)
+]
 """Name of an attribute → its value."""

@@ -31,6 +31,7 @@ QUANTITIES: Mapping[str, str] = {
 """Quantity of a motor → its unit."""
 
 ZERO_ALLOWED = ("damping", "back_emf", "friction", "kv")
+"""Quantities that a motor may lack altogether; all others are above 0."""
 
 
 class MotorValue(Section):

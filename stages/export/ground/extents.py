@@ -46,8 +46,8 @@ class Extents:
         return np.concatenate(parts)
 
     def box(self) -> tuple[Array, Array]:
-        """Returns the lower and upper corner (3,) [m] of the box around all shapes; infinite without a
-        shape."""
+        """Returns the lower and upper corner (3,) [m] of the box around all shapes, in the world; infinity
+        and minus infinity without a shape."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         for shape in (shape for shapes in self._shapes.values() for shape in shapes):
             shape_box = self._box(shape)
@@ -79,7 +79,8 @@ class Extents:
 
 
 def _min_of_primitive(shape: Primitive, direction: Array) -> float:
-    """Returns the minimum of direction · x over a primitive's points, in the frame of its link."""
+    """Returns the minimum [m] of direction · x over a primitive's points x. Points and `direction` (3,) are
+    in the frame of its link."""
     center = float(direction @ shape.link_from_shape[:3, 3])
     along = shape.link_from_shape[:3, :3].T @ direction
     if shape.kind == "box":
@@ -97,7 +98,8 @@ RIM_POINTS = 16
 
 
 def _corners(shape: Primitive | None, direction: Array) -> Array:
-    """Returns the points (n, 3) of a primitive, in the frame of its link, on which it can lie."""
+    """Returns the points (n, 3) of a primitive, in the frame of its link, on which it can lie. `direction`
+    (3,): the ground's normal in that frame."""
     assert shape is not None
     along = shape.link_from_shape[:3, :3].T @ direction
     if shape.kind == "box":

@@ -30,7 +30,7 @@ _BALANCE_WEIGHT = 1e3
 """Weight of the balance relative to the sum of squares, which chooses among the ways to share a weight."""
 
 
-def supports(
+def ground_supports(
     robot: Robot,
     geometry: Geometry,
     world_from_root: Array,
@@ -44,14 +44,14 @@ def supports(
     is not above the points that do. `world_from_root` (4, 4): the pose of the root link."""
     if ground.kind == "none" or not np.any(up):
         return ()
-    contacts = list(touching(robot, geometry, world_from_root, ground, q))
+    contacts = list(ground_contacts(robot, geometry, world_from_root, ground, q))
     if not contacts:
         return ()
     if not any(link.inertial.mass for link in robot.links):
         return ()
     links, points = zip(*contacts, strict=True)
     mass, center = mass_and_center(robot, q)
-    shares = balanced(np.array(points), center, up)
+    shares = weight_shares(np.array(points), center, up)
     return tuple(
         GroundSupport(link, point, float(share * mass))
         for link, point, share in zip(links, points, shares, strict=True)
@@ -59,7 +59,7 @@ def supports(
     )
 
 
-def balanced(points: Array, center: Array, up: Array) -> Array:
+def weight_shares(points: Array, center: Array, up: Array) -> Array:
     """Returns the share (n,) of a weight at `center` (3,) that each of the points (n, 3) carries, with forces
     along `up` (3,); all zero if no forces that only push balance the weight.
 
@@ -94,7 +94,7 @@ def mass_and_center(robot: Robot, q: Configuration) -> tuple[float, Array]:
     return mass, moment / mass
 
 
-def touching(
+def ground_contacts(
     robot: Robot, geometry: Geometry, world_from_root: Array, ground: "GroundSection", q: Configuration
 ) -> Iterator[tuple[str, Array]]:
     """Yields (link, point (3,) [m] in the root link's axes) for the points of colliders that touch the

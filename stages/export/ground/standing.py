@@ -43,10 +43,10 @@ class Placement:
     """The root link's pose (4, 4) at `home`."""
 
     low: Array
-    """The lower corner (3,) [m] of the box around the robot at `home`; infinite without shapes."""
+    """The lower corner (3,) [m] of the box around the robot at `home`; infinity without shapes."""
 
     high: Array
-    """The upper corner (3,) [m] of that box."""
+    """The upper corner (3,) [m] of that box; minus infinity without shapes."""
 
     placed: "Placed"
     """Returns the root link's pose at other values of the dofs: a free robot with bent legs touches the

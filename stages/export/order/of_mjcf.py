@@ -57,9 +57,12 @@ class MjcfOrder:
         self._actuators = {actuator.name: actuator for actuator in actuation.actuators}
 
     def record(self) -> MjcfOrderRecord:
-        return MjcfOrderRecord(tuple(self._joints()), tuple(self._driven()), tuple(self._sensors()))
+        """Returns the tables of joints, actuators and sensors."""
+        return MjcfOrderRecord(
+            tuple(self._joint_rows()), tuple(self._actuator_rows()), tuple(self._sensor_rows())
+        )
 
-    def _joints(self) -> Iterator[MjcfJointRow]:
+    def _joint_rows(self) -> Iterator[MjcfJointRow]:
         qpos = dof = 0
         for node, kind_of_mjcf in joints_in_order(self._root):
             name, kind = node.get("name"), KINDS[kind_of_mjcf]
@@ -75,7 +78,7 @@ class MjcfOrder:
             )
             qpos, dof = qpos + qpos_size, dof + qvel_size
 
-    def _driven(self) -> Iterator[MjcfActuatorRow]:
+    def _actuator_rows(self) -> Iterator[MjcfActuatorRow]:
         nodes = [node for section in self._root.iterchildren("actuator") for node in section]
         first = 0
         for node in (node for node in nodes if isinstance(node.tag, str)):
@@ -95,11 +98,13 @@ class MjcfOrder:
             first += count
 
     def _unit_of_control(self, actuator: Actuator) -> str | None:
+        """Returns the unit of an actuator's control; None for the type general, whose control may be any."""
         value, force = LENGTHS[actuator.moves(self._dofs[actuator.dof].kind)]
         units = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
         return units.get(_CONTROL.get(actuator.type, ""))
 
-    def _sensors(self) -> Iterator[MjcfSensorRow]:
+    def _sensor_rows(self) -> Iterator[MjcfSensorRow]:
+        # None after a sensor whose size only the compiler knows.
         address: int | None = 0
         nodes = [node for section in self._root.iterchildren("sensor") for node in section]
         for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):

@@ -9,7 +9,7 @@ from lxml import etree
 
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.export.mjcf import model as mjcf_model
-from linkwright.stages.export.settled import settled
+from linkwright.stages.export.settled import settle
 from linkwright.stages.export.writer import WriterInput
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.formats.written import Written
@@ -37,7 +37,7 @@ NUMBERS = 1e-10
 
 def model_of(robot, geometry=NO_MESHES, **keys):
     """The model of the writer's file alone, without what a whole export adds to the robot."""
-    plan = settled(plan_of(**keys), robot)
+    plan = settle(plan_of(**keys), robot)
     inputs = WriterInput(Written(robot, geometry=geometry), plan, stand(robot, geometry, plan))
     files = WRITERS["mjcf"].write(inputs).files
     return mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())

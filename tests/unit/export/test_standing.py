@@ -11,7 +11,7 @@ import pytest
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from linkwright.stages.export.ground.footing import balanced, supports
+from linkwright.stages.export.ground.footing import ground_supports, weight_shares
 from linkwright.stages.export.ground.standing import stand
 from linkwright.stages.mesh import make_geometry
 from linkwright.stages.robot.errors import ExportError
@@ -196,7 +196,7 @@ def test_joints_and_ground_balance_the_whole_robot(tmp_path, ahead):
     placed = standing(robot, **keys).placed
     for name, pose in keyframes(robot).items():
         data, place = state(model, name), placed(pose)
-        feet = supports(robot, geometry, place, ground, pose, UP)
+        feet = ground_supports(robot, geometry, place, ground, pose, UP)
         assert len(feet) == 4
         left = data.qfrc_bias - data.qfrc_actuator
         for support in feet:
@@ -244,7 +244,7 @@ SQUARE = np.array([[1.0, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
     ((1.01, 0), [0, 0, 0, 0]),
 ])  # fmt: skip
 def test_four_points_share_a_weight(centre, shares):
-    assert balanced(SQUARE, np.array([*centre, 0.7]), UP) == pytest.approx(shares, abs=1e-6)
+    assert weight_shares(SQUARE, np.array([*centre, 0.7]), UP) == pytest.approx(shares, abs=1e-6)
 
 
 NUMBERS = st.floats(-1.0, 1.0).map(lambda value: round(value, 2))
@@ -257,7 +257,7 @@ def test_weight_is_balanced_where_forces_that_push_can_do_it(count):
     def balances(points, centre, up):
         direction, middle = np.array([*up, 2.0]), np.array([*centre, 0.5])
         places = np.array([[*point, 0.1 * index] for index, point in enumerate(points)])
-        shares = balanced(places, middle, direction)
+        shares = weight_shares(places, middle, direction)
         unit = direction / np.linalg.norm(direction)
         flat = (np.eye(3) - np.outer(unit, unit)) @ (places - middle).T
         rows, wanted, slack = np.vstack([np.ones(len(points)), flat]), np.array([1.0, 0, 0, 0]), np.eye(4)

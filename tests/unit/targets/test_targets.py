@@ -12,7 +12,7 @@ from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.page.readers import MAX_NAMES, readers
 from linkwright.stages.export.requirements import require
-from linkwright.stages.export.settled import changes, settled
+from linkwright.stages.export.settled import report_changes, settle
 from linkwright.stages.export.writers import WRITERS
 from linkwright.stages.robot.model.actuation import Actuation, Actuator
 from linkwright.stages.robot.model.geometry import Geometry, Shape
@@ -72,25 +72,25 @@ def test_target_that_reads_no_format_of_the_build_is_refused():
 
 def test_user_wins_over_target_over_defaults():
     robot = ARM
-    option = settled(plan_of(target={"mjx": {}}), robot).scene.option
+    option = settle(plan_of(target={"mjx": {}}), robot).scene.option
     assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (10, 20, "disable")
     assert option.integrator == "implicitfast"
     own = {"iterations": 30, "flag": {"eulerdamp": "enable"}}
-    option = settled(plan_of(target={"mjx": {}}, scene__option=own), robot).scene.option
+    option = settle(plan_of(target={"mjx": {}}, scene__option=own), robot).scene.option
     assert (option.iterations, option.ls_iterations, option.flag.eulerdamp) == (30, 20, "enable")
-    assert settled(plan_of(), robot).scene.option.iterations is None
+    assert settle(plan_of(), robot).scene.option.iterations is None
 
 
 def test_unknown_flag_of_a_source_is_no_error():
     extras = replace(NO_EXTRAS, flag=(("energy", "enable"), ("brandnew", "enable")))
     robot = replace(ARM, mjcf=extras)
-    flag = settled(plan_of(target={"mjx": {}}), robot).scene.option.flag
+    flag = settle(plan_of(target={"mjx": {}}), robot).scene.option.flag
     assert flag.explicit() == {"eulerdamp": "disable"}
-    assert settled(plan_of(), robot).scene.option.flag.explicit() == {"energy": "enable"}
+    assert settle(plan_of(), robot).scene.option.flag.explicit() == {"energy": "enable"}
 
 
 def messages(robot, **tree):
-    notes = changes(plan_of(**tree), robot)
+    notes = report_changes(plan_of(**tree), robot)
     return [(note.message, note.hint) for note in notes if note.code == "I-TARGET"]
 
 
@@ -121,7 +121,7 @@ def test_frames_have_an_inertial_for_pybullet_which_is_told():
     assert [text for text, _ in changed] == ["export.urdf.frame_inertia: none → tiny"]
     assert messages(robot, target=targets, export=tiny) == messages(ARM, target=targets) == []
     for target, kind in (("pybullet", "tiny"), ("mjx", "none")):
-        assert settled(plan_of(target={target: {}}), ARM).export.urdf.frame_inertia == kind
+        assert settle(plan_of(target={target: {}}), ARM).export.urdf.frame_inertia == kind
 
 
 def test_limits_on_shapes_of_several_engines_add_up():
