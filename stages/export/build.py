@@ -7,7 +7,7 @@ from linkwright.stages.export.actuators.advice import advice
 from linkwright.stages.export.actuators.gravity import gravity_of
 from linkwright.stages.export.amend.amend import Amended, amend
 from linkwright.stages.export.amend.documents import ROLES as AMENDABLE
-from linkwright.stages.export.driven import driven
+from linkwright.stages.export.driven import stable_actuation
 from linkwright.stages.export.ground.standing import Placement, stand
 from linkwright.stages.export.losses import losses
 from linkwright.stages.export.losses.mjcf_only import mjcf_only
@@ -41,7 +41,7 @@ PACKAGES_WITH_ROBOT_JSON = ("python",)
 """Formats that pack robot.json, too."""
 
 GLB_FORMATS = frozenset({"urdf", "sdf", "ros2"})
-"""Formats that show a link's visual meshes as one GLB, where there is one."""
+"""Formats that show a link's visual meshes as one GLB, if the geometry has it."""
 
 MESH_FORMATS = frozenset({"mjcf", "usd"})
 """Formats that show the meshes themselves: MuJoCo reads no GLB, and a USD has the triangles in it."""
@@ -114,11 +114,11 @@ def _written(
     """Returns the robot as its files will have it, without the user's own XML, and the diagnostics of its
     actuators and sensors."""
     written = Written(robot, geometry=geometry, mjcf_form=mjcf_form_of(robot, geometry, keys))
-    driven_actuation, of_actuators = driven(written, keys, standing)
-    actuation = actuation_of(keys.target.chosen, driven_actuation)
-    of_actuators = (*of_actuators, *_for_targets(keys, driven_actuation, actuation))
+    own_actuation, actuator_diagnostics = stable_actuation(written, keys, standing)
+    actuation = actuation_of(keys.target.chosen, own_actuation)
+    replacement_diagnostics = _report_replaced_actuators(keys, own_actuation, actuation)
     robot = with_actuation(robot, actuation)
-    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, written.mjcf_form)
+    sensing, sensor_diagnostics = sensing_of(robot, geometry, actuation, keys, written.mjcf_form)
     written = replace(
         written,
         robot=robot,
@@ -127,10 +127,12 @@ def _written(
         sensing=sensing,
         scene=scene_of(robot, keys, standing, written.start),
     )
-    return written, (*of_actuators, *of_sensors)
+    return written, (*actuator_diagnostics, *replacement_diagnostics, *sensor_diagnostics)
 
 
-def _for_targets(keys: ExportSections, before: Actuation, after: Actuation) -> Iterator[Diagnostic]:
+def _report_replaced_actuators(
+    keys: ExportSections, before: Actuation, after: Actuation
+) -> Iterator[Diagnostic]:
     """Reports the actuators that are written in another form for a target (I-TARGET)."""
     pairs = [*zip(before.actuators, after.actuators, strict=True)]
     for kind, thing in REPLACEABLE_ACTUATORS.items():
@@ -160,7 +162,8 @@ def _amended(
     keys: ExportSections,
     texts: Mapping[str, str],
 ) -> Amended:
-    """Returns the files that the user's own XML changes. `format_names`: the written formats."""
+    """Returns the files that the user's own XML changes. `files`: path → content, with the meshes;
+    `format_names`: the written formats; `texts`: entry of `elements` → the text of the file that it names."""
     if not keys.elements and not keys.attributes:
         return Amended({})
     formats = {name: FORMATS[name].paths(robot) for name in format_names if name in AMENDABLE}

@@ -25,21 +25,22 @@ if TYPE_CHECKING:
 MAX_TREE_DOFS = 200
 """Largest number of dofs with which a robot without loops and relations is simulated."""
 
-FORMAT = "mjcf"
+TRIAL_FORMAT = "mjcf"
 """The format whose files are simulated."""
 
 
-def driven(
+def stable_actuation(
     written: Written, keys: "ExportSections", standing: "Placement"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
-    """Returns the actuation of the robot, from the configuration and, if an MJCF is written, from its trial
-    run. An MJCF source whose actuators the configuration does not change stays as it is."""
+    """Returns the actuation of the robot and diagnostics. The configuration decides it; if an MJCF is chosen,
+    a trial simulation adds armatures. An MJCF source whose actuators the configuration does not change gets
+    no trial."""
     robot, geometry = written.robot, written.shapes
     world_from_root, gravity = standing.world_from_root, gravity_of(keys.scene.option)
     up = -world_from_root[:3, :3].T @ gravity
 
-    def supports_at(weighing_robot: Robot, q: Configuration) -> tuple[GroundSupport, ...]:
-        return ground_supports(weighing_robot, geometry, standing.placed(q), keys.ground, q, up)
+    def supports_at(lightened_robot: Robot, q: Configuration) -> tuple[GroundSupport, ...]:
+        return ground_supports(lightened_robot, geometry, standing.placed(q), keys.ground, q, up)
 
     timestep = keys.scene.option.timestep
     actuation, diagnostics = actuate(
@@ -47,17 +48,17 @@ def driven(
     )
     diagnostics = (*diagnostics, *_idle_motors(keys))
     unchanged = robot.mjcf is not None and not keys.actuators
-    if FORMAT not in keys.export.chosen or unchanged or not _worth_a_trial(robot):
+    if TRIAL_FORMAT not in keys.export.chosen or unchanged or not _needs_trial(robot):
         return actuation, diagnostics
     colliders = _colliders(geometry)
 
-    def run(trial_robot: Robot, trial_actuation: Actuation, margin: float) -> "Trial | None":
+    def run_trial(trial_robot: Robot, trial_actuation: Actuation, margin: float) -> "Trial | None":
         trial = replace(written, robot=trial_robot, geometry=colliders, actuation=trial_actuation)
-        files = WRITERS[FORMAT].write(WriterInput(trial, keys, standing)).files
+        files = WRITERS[TRIAL_FORMAT].write(WriterInput(trial, keys, standing)).files
         return compiled_trial(files[f"{robot.name}.xml"], colliders.files, margin)
 
-    stable_actuation, trial_diagnostics = with_armatures(robot, actuation, run)
-    return stable_actuation, (*diagnostics, *trial_diagnostics)
+    with_stable_armatures, trial_diagnostics = with_armatures(robot, actuation, run_trial)
+    return with_stable_armatures, (*diagnostics, *trial_diagnostics)
 
 
 def _idle_motors(keys: "ExportSections") -> list[Diagnostic]:
@@ -71,9 +72,9 @@ def _idle_motors(keys: "ExportSections") -> list[Diagnostic]:
     ]
 
 
-def _worth_a_trial(robot: Robot) -> bool:
-    """Returns whether the robot moves, and has loops or few dofs: a large tree would take long, and is
-    stable."""
+def _needs_trial(robot: Robot) -> bool:
+    """Returns whether the robot moves, and has loops, relations or few dofs. A large tree is stable without a
+    trial, which would take long."""
     return bool(robot.dofs) and (len(robot.dofs) <= MAX_TREE_DOFS or bool(robot.loops or robot.relations))
 
 

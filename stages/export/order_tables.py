@@ -12,7 +12,8 @@ from linkwright.stages.formats.xml import Element, Malformed, parse
 
 def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None:
     """Returns, for each of MJCF and URDF that is among `files`, its joints in file order, and for the MJCF
-    its actuators and sensors too. An MJCF that is nested too deeply to be parsed has no table."""
+    its actuators and sensors too; None without both. An MJCF that is nested too deeply to be parsed has no
+    table."""
     robot = written.robot
     mates = {dof.name: joint.mate.name for joint in robot.joints if joint.mate for dof in joint.dofs}
     mates |= {dof.name: loop.mate.name for loop in robot.loops for dof in loop.dofs}
@@ -30,6 +31,7 @@ def order_of(written: Written, files: Mapping[str, bytes]) -> OrderRecord | None
 
 
 def _parsed(mjcf: bytes) -> Element | None:
+    """Returns the root of an MJCF; None if it is nested too deeply."""
     try:
         return parse(mjcf, large=True)
     except Malformed:

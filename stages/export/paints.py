@@ -39,7 +39,7 @@ MIN_OPAQUE_ALPHA = 0.99
 
 
 def paint(shape: Shape) -> Paint | None:
-    """Returns the material of a shape, or None."""
+    """Returns the material of a shape; None for a shape without a colour."""
     return None if shape.colour is None else (shape.colour, shape.texture or "")
 
 
@@ -68,7 +68,7 @@ def word(colour: Colour) -> str:
 
     def distance(name: str) -> float:
         red, green, blue = (a - b for a, b in zip(rgb, NAMED_COLOURS[name], strict=True))
-        # Approximates perceived distance: T. Riemersma, "Colour metric" (compuphase.com), by mean redness.
+        # T. Riemersma, "Colour metric" (compuphase.com): the weights depend on the mean redness.
         mean = (rgb[0] + NAMED_COLOURS[name][0]) / 2
         return (2 + mean) * red**2 + 4 * green**2 + (3 - mean) * blue**2
 

@@ -17,6 +17,7 @@ def provenance(dof: Dof, estimated: bool = False, motors: Sequence[Supplied] = (
 
 
 def _origins(dof: Dof, estimated: bool) -> Iterator[tuple[str, str]]:
+    """Yields (quantity, origin), without motors."""
     ends = {"turn": ("lower", "upper"), "slide": ("lower", "upper"), "ball": ("upper",), "free": ()}
     for side in ends[dof.kind]:
         yield side, _origin(dof, "limits", getattr(dof.limits, side))
@@ -28,6 +29,7 @@ def _origins(dof: Dof, estimated: bool) -> Iterator[tuple[str, str]]:
 
 
 def _origin(dof: Dof, key: str, value: float | None) -> str:
+    """Returns the origin of a value. `key`: the configuration's name for it, or for its pair of limits."""
     if value is None:
         return "unset"
     return "given" if key in dof.given else "source"

@@ -33,6 +33,7 @@ def ground_pose(ground: "GroundSection") -> Array:
 
 
 def _plain(value: Any) -> Any:
+    """Returns the value of an option as text, a float, or a tuple of floats."""
     if isinstance(value, tuple | list):
         return tuple(map(float, value))
     return value if isinstance(value, str) else float(value)

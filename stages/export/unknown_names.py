@@ -37,6 +37,7 @@ def _check_sensors(robot: Robot, keys: "ExportSections", log: Diagnostics) -> No
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"
         if sensor.type == "joint":
+            # The sensors themselves are not needed: making them reports what is unknown.
             list(joint_sensors(name, sensor, robot, log))
         elif sensor.type == "actuator":
             # Which of the joints are driven is only known after their loads are computed.

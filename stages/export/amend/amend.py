@@ -65,10 +65,13 @@ def amend(
         problems += format_work.problems
     if problems:
         raise ExportError(_MESSAGE, problems=dict.fromkeys(problems))
-    return Amended(amended_files, Amendments(tuple(changes), tuple(surplus)), _left_out(all_entries, formats))
+    return Amended(
+        amended_files, Amendments(tuple(changes), tuple(surplus)), _unused_entries(all_entries, formats)
+    )
 
 
-def _left_out(all_entries: Sequence[Entry], formats: Mapping[str, object]) -> tuple[Diagnostic, ...]:
+def _unused_entries(all_entries: Sequence[Entry], formats: Mapping[str, object]) -> tuple[Diagnostic, ...]:
+    """Reports the entries for formats that are not written (I-ELEMENT)."""
     keys = {
         entry.key: entry.formats
         for entry in all_entries
@@ -113,6 +116,7 @@ class _FormatWork:
         return Documents(self.form, self._paths, self._files)
 
     def _mjcf_surplus(self) -> list[Surplus]:
+        """Completes the keyframes, and returns the surplus of each file; [] after a problem."""
         meshes = {path: data for path, data in self._files.items() if path.startswith("assets/")}
         try:
             return fit_keyframes(self.documents, self._read(), self.changes, meshes)
@@ -141,6 +145,7 @@ class _FormatWork:
         return ""
 
     def _urdf_surplus(self) -> list[Surplus]:
+        """Returns the degrees of freedom that the URDF has beyond the robot."""
         root, old_root = self.documents.files[0].root, self._read().files[0].root
         path = self.documents.files[0].path
         return [Surplus(path, dofs=_count_dofs(root) - _count_dofs(old_root))]

@@ -16,11 +16,15 @@ from linkwright.stages.mujoco.names import actuator_count, controls_of
 from linkwright.stages.robot.model.amendments import Amendment, Surplus
 from linkwright.stages.robot.text.globs import did_you_mean
 
-_QPOS = {0: 7, 1: 4, 2: 1, 3: 1}
+_QPOS_SIZES = {0: 7, 1: 4, 2: 1, 3: 1}
 """MuJoCo's joint type (free, ball, slide, hinge) → the number of its values in qpos."""
 
-_QVEL = {0: 6, 1: 3, 2: 1, 3: 1}
+_QVEL_SIZES = {0: 6, 1: 3, 2: 1, 3: 1}
 """MuJoCo's joint type → the number of its values in qvel."""
+
+
+_UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '([^']+)' Element '([^']+)'")
+"""MuJoCo's message for an attribute that it does not know: the attribute and the tag."""
 
 
 def compiled(documents: Documents, role: str, meshes: Mapping[str, bytes]) -> Any:
@@ -95,9 +99,6 @@ def suggestion_for(message: str) -> str:
     return "MuJoCo's XML reference says what is allowed there"
 
 
-_UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '([^']+)' Element '([^']+)'")
-
-
 def _attributes(tag: str) -> set[str]:
     """Returns the attributes that the installed MuJoCo knows for elements with this tag."""
     attributes: set[str] = set()
@@ -112,17 +113,20 @@ def _attributes(tag: str) -> set[str]:
 
 
 def _surplus(path: str, model: Any, old: Element) -> Surplus:
+    """Returns what the model of a file has beyond the robot. `old`: the root of the robot's file before the
+    amendments."""
     old_joints = set(_joints(old))
     added = [index for index in range(model.njnt) if model.joint(index).name not in old_joints]
     return Surplus(
         path,
-        dofs=sum(_QVEL[int(model.jnt_type[index])] for index in added),
+        dofs=sum(_QVEL_SIZES[int(model.jnt_type[index])] for index in added),
         actuators=actuator_count(model) - len(_actuators(old)),
         equalities=int(model.neq) - sum(len(section) for section in old.findall("equality")),
     )
 
 
 def _refuse_scene_additions(robot: Surplus, scene: Surplus, keys: Sequence[str]) -> None:
+    """Raises Refused if the scene adds joints or actuators. `keys`: the entries that add to the scene."""
     for kind, robot_count, scene_count in (
         ("joints", robot.dofs, scene.dofs),
         ("actuators", robot.actuators, scene.actuators),
@@ -167,7 +171,7 @@ def _complete_keyframe(key: Element, old: Element, model: Any) -> None:
             raise Refused(text, "elements", "name it in the source, or leave out the elements with joints")
         for name in names:
             joint = model.joint(name)
-            size, address = _QPOS[int(joint.type[0])], int(joint.qposadr[0])
+            size, address = _QPOS_SIZES[int(joint.type[0])], int(joint.qposadr[0])
             texts[address : address + size] = values[start : start + size]
             start += size
         if start == len(values):

@@ -52,17 +52,17 @@ class Documents:
                 return document, matching[0]
             if matching:
                 raise Refused(*_ambiguous(name, matching, document, where))
-        raise Refused(*self._no_name(name, tag, role, where))
+        raise Refused(*self._missing_name(name, tag, role, where))
 
     def find_first(self, tag: str, role: str | None, where: str) -> tuple[XmlFile, Element]:
         """Returns the first element with a tag in the robot's file, or in the file of `role`, and that file.
-        A missing section of an MJCF is added. Raises Refused if there is no other such element."""
+        A section that an MJCF lacks is added. Raises Refused if the file lacks any other element."""
         (document,) = self._with_role(role or "robot")
         if self.form == "mjcf" and tag in SECTION_TAGS:
             match = document.root.find(tag)
             match = element(document.root, tag) if match is None else match
         else:
-            # The classes of an MJCF have elements of the same tags as what they are for.
+            # A default class of an MJCF has elements with the tags of those that it applies to.
             candidates = document.root.iter(tag)
             match = next(
                 (
@@ -94,7 +94,7 @@ class Documents:
     def _with_role(self, role: str | None) -> list[XmlFile]:
         return [document for document in self.files if role in (None, document.role)]
 
-    def _no_name(self, name: str, tag: str | None, role: str | None, where: str) -> tuple[str, str, str]:
+    def _missing_name(self, name: str, tag: str | None, role: str | None, where: str) -> tuple[str, str, str]:
         all_names = {
             element_name
             for document in self._with_role(role)
@@ -116,10 +116,12 @@ def in_words(node: Element) -> str:
 def _ambiguous(
     name: str, candidates: Sequence[Element], document: XmlFile, where: str
 ) -> tuple[str, str, str]:
+    """Returns the message, key and hint for a name that several elements have."""
     tags = [str(node.tag) for node in candidates]
     hint = f"say which: tag: {' or '.join(sorted(set(tags) | {kind_of(node) for node in candidates}))}"
     return f"{len(candidates)} elements of {document.path} are named {name!r}: {', '.join(tags)}", where, hint
 
 
 def _near(name: str, names: Iterable[str]) -> str:
+    """Returns a question with up to three similar names, or ""."""
     return did_you_mean(name, sorted(names), 3)

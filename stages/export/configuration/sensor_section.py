@@ -82,19 +82,19 @@ ACCELERATIONS = ("linacc", "angacc")
 WITHOUT_CUTOFF = ("quat", "xaxis", "yaxis", "zaxis")
 """Orientations, which have no largest value."""
 
-_ON_A_FRAME = ("frame", "xyz", "rpy")
+_FIELDS_OF_MOUNT = ("frame", "xyz", "rpy")
 
 FIELDS_OF_TYPE: Mapping[str, tuple[str, ...]] = {
     "joint": ("joints", "measure"),
     "actuator": ("actuators", "measure"),
-    "imu": (*_ON_A_FRAME, "measure"),
-    "force": _ON_A_FRAME,
-    "torque": _ON_A_FRAME,
-    "force_torque": _ON_A_FRAME,
-    "touch": (*_ON_A_FRAME, "size"),
-    "rangefinder": _ON_A_FRAME,
-    "frame": (*_ON_A_FRAME, "measure", "relative_to"),
-    "camera": (*_ON_A_FRAME, "fovy", "resolution", "sees"),
+    "imu": (*_FIELDS_OF_MOUNT, "measure"),
+    "force": _FIELDS_OF_MOUNT,
+    "torque": _FIELDS_OF_MOUNT,
+    "force_torque": _FIELDS_OF_MOUNT,
+    "touch": (*_FIELDS_OF_MOUNT, "size"),
+    "rangefinder": _FIELDS_OF_MOUNT,
+    "frame": (*_FIELDS_OF_MOUNT, "measure", "relative_to"),
+    "camera": (*_FIELDS_OF_MOUNT, "fovy", "resolution", "sees"),
 }
 """Type → its fields, in addition to `noise` and `cutoff`, which all types have."""
 
@@ -109,15 +109,15 @@ MEASURES_WITH_UNIT: Mapping[str, tuple[Measure, ...]] = {
 """Measurement → the kinds of units with which its values may be typed."""
 
 
-def _for_all(value: Any) -> Any:
+def _by_any_measure(value: Any) -> Any:
     return {"*": value} if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
-def _radius(value: Any) -> Any:
+def _as_size(value: Any) -> Any:
     return (value,) if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
-def _one_or_three(size: tuple[float, ...]) -> tuple[float, ...]:
+def _check_size(size: tuple[float, ...]) -> tuple[float, ...]:
     if len(size) not in (1, 3):
         raise invalid("must be the radius of a ball, or [x, y, z], the lengths of a box")
     return size
@@ -133,14 +133,14 @@ _Amount = Annotated[Coordinate, AfterValidator(_not_negative)]
 
 ByMeasure = Annotated[
     dict[Text, _Amount],
-    BeforeValidator(_for_all, json_schema_input_type=dict[Text, _Amount] | _Amount),
+    BeforeValidator(_by_any_measure, json_schema_input_type=dict[Text, _Amount] | _Amount),
 ]
 """Measurement, or a glob on its name → a number; a number alone applies to all."""
 
 Size = Annotated[
     tuple[PositiveLength, ...],
-    AfterValidator(_one_or_three),
-    BeforeValidator(_radius, json_schema_input_type=tuple[PositiveLength, ...] | PositiveLength),
+    AfterValidator(_check_size),
+    BeforeValidator(_as_size, json_schema_input_type=tuple[PositiveLength, ...] | PositiveLength),
 ]
 
 
@@ -205,7 +205,7 @@ class SensorSection(Section):
     value for each; orientations have no cutoff. null: no cutoff."""
 
     @model_validator(mode="after")
-    def _of_the_type(self) -> Self:
+    def _check_fields(self) -> Self:
         allowed = (*FIELDS_OF_TYPE[self.type], "noise", "cutoff")
         wrong = [name for name in sorted(self.model_fields_set) if name not in ("type", *allowed)]
         wrong = [name for name in wrong if getattr(self, name) != type(self).model_fields[name].default]
@@ -245,20 +245,21 @@ class SensorSection(Section):
         return DEFAULT_MEASURES.get(self.type, tuple(MEASURES[self.type]))
 
     def noise_of(self, measured: str) -> float:
-        """Returns the standard deviation of a measurement."""
+        """Returns the standard deviation of a measurement, in its unit; 0 if none is set."""
         return float(self.typed("noise", measured))
 
     def cutoff_of(self, measured: str) -> float:
-        """Returns the largest value of a measurement; 0 for no limit."""
+        """Returns the largest absolute value of a measurement, in its unit; 0 for no limit."""
         return 0.0 if measured in WITHOUT_CUTOFF else float(self.typed("cutoff", measured))
 
     def typed(self, key: Literal["noise", "cutoff"], measured: str) -> float:
-        """Returns a number for a measurement, with the unit that it was typed with."""
-        return _last(getattr(self, key) or {}, measured)
+        """Returns the noise or cutoff of a measurement: a `TypedNumber` if it was typed with a unit; 0 if
+        none is set."""
+        return _last_match(getattr(self, key) or {}, measured)
 
 
-def _last(values: Mapping[str, float], measured: str) -> float:
-    """Returns the value of the last entry that matches."""
+def _last_match(values: Mapping[str, float], measured: str) -> float:
+    """Returns the value of the last glob that matches the measurement; 0 without one."""
     return next(
         (value for glob, value in reversed(list(values.items())) if matches_glob(measured, glob)), 0.0
     )

@@ -8,6 +8,9 @@ from linkwright.stages.formats.meshes.points import mesh_points
 from linkwright.stages.robot.model.geometry import Geometry, Role, Shape
 from linkwright.stages.robot.model.robot import Array, Primitive
 
+RIM_POINTS = 16
+"""Number of points on each rim of a cylinder."""
+
 
 class Extents:
     """The extents of a robot's shapes, with its links at the poses `world_from_link` (4, 4)."""
@@ -91,10 +94,6 @@ def _min_of_primitive(shape: Primitive, direction: Array) -> float:
     half = shape.size[1] / 2
     reach = radius if shape.kind == "capsule" else radius * float(np.hypot(along[0], along[1]))
     return center - abs(float(along[2])) * half - reach
-
-
-RIM_POINTS = 16
-"""Number of points on each rim of a cylinder."""
 
 
 def _corners(shape: Primitive | None, direction: Array) -> Array:

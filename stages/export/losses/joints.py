@@ -45,7 +45,7 @@ def _balls(case: Case[Any]) -> list[Dof]:
     return [dof for joint in joints for dof in joint.dofs if dof.kind == "ball"]
 
 
-def _cones(case: Case[Any]) -> list[str]:
+def _limited_balls(case: Case[Any]) -> list[str]:
     return [dof.name for dof in _balls(case) if dof.limits.upper is not None]
 
 
@@ -63,6 +63,7 @@ def _ball_efforts(case: Case[Any]) -> list[str]:
 def _mjcf_ball_zeros(case: Case[Any]) -> Iterator[str]:
     for dof in _balls(case):
         angle = _angle(case.written.start[dof.name])
+        # Below this angle [deg] is only rounding.
         yield f"{dof.name} ({f'{angle:.4g} deg apart' if angle > 1e-9 else 'the same'})"
 
 
@@ -70,8 +71,8 @@ def _sdf_zeros(case: "Case[SdfPlan]") -> Iterator[str]:
     tree_dofs = {dof.name for joint in case.robot.joints if joint.type != "free" for dof in joint.dofs}
     for name, value in case.plan.lowered.nonzero_values.items():
         if name in tree_dofs:
-            turn = isinstance(value, tuple)
-            yield f"{name} ({f'turned by {_angle(value):.4g} deg' if turn else f'{value:.6g}'})"
+            is_ball = isinstance(value, tuple)
+            yield f"{name} ({f'turned by {_angle(value):.4g} deg' if is_ball else f'{value:.6g}'})"
 
 
 def _usd_ball_starts(case: "Case[UsdPlan]") -> Iterator[str]:
@@ -94,7 +95,7 @@ def _armatures(case: Case[Any]) -> list[str]:
     return [dof.name for dof in case.robot.dofs if dof.dynamics.armature]
 
 
-def _unset(case: Case[Any]) -> Iterator[str]:
+def _unset_limits(case: Case[Any]) -> Iterator[str]:
     for dof in case.robot.dofs:
         if keys := unset_limits(dof):
             yield f"{dof.name}: {', '.join(keys)}"
@@ -174,14 +175,14 @@ JOINTS = (
     ),
     Loss(
         {"mjcf": "W-BALL-CONE"},
-        _cones,
+        _limited_balls,
         "MuJoCo's range of a ball joint limits its twist too, which a cone does not, so the MJCF has no "
         "limit for: {}",
         "enforce the cone in the controller: robot.json has its half angle",
     ),
     Loss(
         {"urdf": "W-BALL-CONE", "sdf": "W-BALL-CONE"},
-        _cones,
+        _limited_balls,
         "{format} cannot limit the tilt of a ball joint, so these tilt freely: {}",
         "enforce the cone in the controller: robot.json has its half angle",
     ),
@@ -271,7 +272,7 @@ JOINTS = (
     ),
     Loss(
         {"urdf": "I-URDF-UNSET"},
-        _unset,
+        _unset_limits,
         "URDF requires limits, efforts and velocities that are not set, so defaults were written (effort "
         "100, velocity 10, ±1 m, ±2π rad): {}",
         'set them: joints: {"*": {effort: ..., velocity: ...}}',
