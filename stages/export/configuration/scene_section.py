@@ -54,10 +54,11 @@ class PoseSection(Section):
     """Pose of the robot's root in the world. May be given as the kind alone."""
 
     kind: Literal["touch", "given"] = "given"
-    """touch: upright at the origin, with its lowest collider on the ground, at `home` and in each other
-    keyframe. For a fixed base only the colliders that are fixed count, and it stays where CAD has it if that
-    is within 2 mm of the ground. Without a ground the robot is at the origin; if an MJCF source has its own
-    ground, the robot is where the source has it. given: as the other keys say."""
+    """touch: upright at the origin, with its lowest collider (without colliders, its lowest shape) on the
+    ground, at `home` and in each other keyframe. For a fixed base only the colliders that are fixed count,
+    and it stays where CAD has it if that is within 2 mm of the ground. Without a ground the robot is at the
+    origin; if an MJCF source has its own ground, the robot is where the source has it. given: as the other
+    keys say."""
 
     xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""
