@@ -43,7 +43,7 @@ class Actuator:
     is unknown."""
     holds: tuple[tuple[str, float], ...] = ()
     """(keyframe, force [N m or N] at the dof, with its sign, that holds the robot there), for keyframes in
-    which the dof needs a force and the force is known."""
+    which this actuator holds the robot and the force is known."""
     estimated: tuple[str, ...] = ()
     """Names of the values that Linkwright estimates."""
     motor: str = ""
