@@ -1,5 +1,6 @@
 """Compares the actuators of a USD, in MuJoCo's own schema, with the robot's."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -91,6 +92,7 @@ def _is_same(actual: Value | None, expected: Value | None) -> bool:
     """Tells whether two values are equal, within the tolerance if they are numbers, or both missing."""
     if isinstance(actual, tuple) and isinstance(expected, tuple):
         return len(actual) == len(expected) and all(map(_is_same, actual, expected))
-    if isinstance(actual, float) and isinstance(expected, float):
+    # The tolerance of an infinite number would be infinite.
+    if isinstance(actual, float) and isinstance(expected, float) and math.isfinite(expected):
         return abs(actual - expected) <= RELATIVE_TOLERANCE * abs(expected)
     return actual == expected
