@@ -12,6 +12,9 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Robot
 from linkwright.stages.validate.model.coordinates import FREE, HINGE, SLIDE, link_pose, set_values, site_pose
 from linkwright.stages.validate.simulate.running import flags, with_options
 
+_JOINT_TRANSMISSIONS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+"""The transmissions to a joint, which are the same for hinges and slides."""
+
 
 def driven_joints(model: Any) -> list[int]:
     """Returns the hinges and slides that actuators drive; without actuators, those that follow no other
@@ -22,7 +25,7 @@ def driven_joints(model: Any) -> list[int]:
     joints_with_actuator = [
         int(joint)
         for joint, kind in zip(model.actuator_trnid[:, 0], model.actuator_trntype, strict=True)
-        if kind == mujoco.mjtTrn.mjTRN_JOINT
+        if kind in _JOINT_TRANSMISSIONS
     ]
     if model.nu:
         joints = sorted(set(joints_with_actuator))
@@ -39,7 +42,7 @@ def strength(model: Any, joint: int) -> float | None:
         actuator
         for actuator in range(actuator_count(model))
         if int(model.actuator_trnid[actuator][0]) == joint
-        and model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
+        and model.actuator_trntype[actuator] in _JOINT_TRANSMISSIONS
     ]
     if actuators and all(model.actuator_forcelimited[actuator] for actuator in actuators):
         # A negative gear swaps the ends. The ends are added, since two actuators may pull against each other.

@@ -15,7 +15,7 @@ from linkwright.stages.validate import validate
 from linkwright.stages.validate.check_options import CheckOptions
 from linkwright.stages.validate.checks.simulation.torque import check
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.simulate.holding import holding_forces, strength
+from linkwright.stages.validate.simulate.holding import driven_joints, holding_forces, strength
 from tests.support.building import plan_of, robot_of, write
 from tests.support.kit import Kit, four_bar
 from tests.support.robots import at, joint, robot_with, solid
@@ -80,14 +80,17 @@ def test_arm_holds_its_weight_and_its_payload_on_its_levers(payload, tmp_path):
         ([("1 3", 1)], 0.0),
     ],
 )
-def test_strength_of_a_joint_is_what_its_actuators_have_together(motors, expected):
+@pytest.mark.parametrize("transmission", ["joint", "jointinparent"])
+def test_strength_of_a_joint_is_what_its_actuators_have_together(motors, expected, transmission):
     rows = "".join(
-        f'<motor joint="turn" gear="{gear}" forcerange="{forces}" forcelimited="true"/>'
+        f'<motor {transmission}="turn" gear="{gear}" forcerange="{forces}" forcelimited="true"/>'
         for forces, gear in motors
     )
     body = '<body><joint name="turn"/><geom size=".1"/></body>'
     text = f"<mujoco><worldbody>{body}</worldbody><actuator>{rows}</actuator></mujoco>"
-    assert strength(mujoco.MjModel.from_xml_string(text), 0) == expected
+    model = mujoco.MjModel.from_xml_string(text)
+    assert driven_joints(model) == [0]
+    assert strength(model, 0) == expected
 
 
 def test_driver_carries_what_its_follower_has(tmp_path):
