@@ -1,6 +1,7 @@
 """Finds errors of a USD's prims that do not depend on the robot.
 
-These are references to missing prims, quaternions that are not of unit length, and wrong extents.
+These are references to missing prims, quaternions that are not of unit length, wrong extents, and cones of
+ball joints that are not circular about the axis X.
 """
 
 from collections.abc import Iterator
@@ -34,6 +35,7 @@ def flaws(stage: Any, top: Any) -> Iterator[Finding]:
         yield from _missing_targets(stage, prim)
         yield from _quaternion_findings(prim)
         yield from _extent_findings(prim)
+        yield from _cone_findings(prim)
 
 
 def _element_and_attribute(prim: Any, attribute: str) -> tuple[str, str]:
@@ -66,6 +68,21 @@ def _quaternion_findings(prim: Any) -> Iterator[Finding]:
             if not abs(length - 1) <= FLOAT32_TOLERANCE:
                 element_and_attribute = _element_and_attribute(prim, attribute.GetName())
                 yield Finding(*element_and_attribute, f"has the length {length:.6g}, expected 1")
+
+
+def _cone_findings(prim: Any) -> Iterator[Finding]:
+    """Checks that the cone of a ball joint is circular. PhysX accepts only cones about X."""
+    if prim.GetTypeName() != "PhysicsSphericalJoint":
+        return
+    joint = UsdPhysics.SphericalJoint(prim)
+    angles = [
+        attribute.Get() for attribute in (joint.GetConeAngle0LimitAttr(), joint.GetConeAngle1LimitAttr())
+    ]
+    if angles[0] != angles[1]:
+        element, attribute = _element_and_attribute(prim, "physics:coneAngle1Limit")
+        yield differs(element, attribute, angles[1], angles[0], "deg")
+    if joint.GetAxisAttr().Get() != "X":
+        yield differs(*_element_and_attribute(prim, "physics:axis"), str(joint.GetAxisAttr().Get()), "X")
 
 
 def _extent_findings(prim: Any) -> Iterator[Finding]:

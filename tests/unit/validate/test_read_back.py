@@ -209,6 +209,21 @@ def test_joint_of_a_base_that_holds_something_else_is_found(pattern, new, tmp_pa
     assert [name for name, holds in outcomes("usd", written, tmp_path).items() if not holds] == ["model"]
 
 
+@pytest.mark.parametrize(("old", "new"), [
+    (r"coneAngle1Limit = [\d.]+", "coneAngle1Limit = 90"), (r'physics:axis = "X"', 'physics:axis = "Y"'),
+])  # fmt: skip
+def test_cone_of_a_ball_is_circular_about_x(old, new, tmp_path):
+    limits = {"hand_joint": Limits(None, 0.5)}
+    robot = robot_with([joint("ball", "base", "hand", limits=limits)])
+    written = exported_file("usd", robot, tmp_path)
+    assert all(outcomes("usd", written, tmp_path).values())
+    path = tmp_path / "robot.usda"
+    text, count = re.subn(old, new, path.read_text())
+    assert count
+    path.write_text(text)
+    assert [name for name, holds in outcomes("usd", written, tmp_path).items() if not holds] == ["model"]
+
+
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
     """The files of a robot, by `sdf`, `usd` or `servo`, with no fault; each exported when first asked for."""
