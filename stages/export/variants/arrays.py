@@ -104,7 +104,7 @@ class VariedFields:
             [shares[4], shares[5], 1.0 + shares[2]],
         ]
         spread = spread_factor(moments, quat, mass)
-        # MuJoCo takes the principal axes of a simple body for those of its frame, and does not read others.
+        # MuJoCo computes a simple body as if its centre of mass and principal axes were those of its frame.
         if model.body_simple[body]:
             self._rows["body_mass", body] = [mass * factor]
             self._rows["body_inertia", body] = stretched_moments(mass * factor, spread, shares)

@@ -83,14 +83,15 @@ class ReadSrdf:
     def moved_by(self, group: str) -> frozenset[str]:
         """Returns the moving joints of a group: the joints that it names, the joints above the links that it
         names, and the joints of its chains and of its groups."""
-        return frozenset(step.name for step in self._steps(group, frozenset()) if step.moves)
+        return frozenset(step.name for step in self._steps(group, set()) if step.moves)
 
-    def _steps(self, group: str, outer_groups: frozenset[str]) -> Iterator[UrdfStep]:
-        """Yields the steps of a group's joints. `outer_groups`: the groups that this group is in, which end a
-        circle of groups."""
+    def _steps(self, group: str, visited_groups: set[str]) -> Iterator[UrdfStep]:
+        """Yields the steps of a group's joints. Each group is visited once, since groups may be in several
+        groups, and in a circle."""
         node = self.groups.get(group)
-        if node is None or group in outer_groups:
+        if node is None or group in visited_groups:
             return
+        visited_groups.add(group)
         for joint in node.findall("joint"):
             yield from filter(None, [self.chains.joints.get(joint.get("name", ""))])
         for link in node.findall("link"):
@@ -98,7 +99,7 @@ class ReadSrdf:
         for chain in node.findall("chain"):
             yield from self.chains.between(chain.get("base_link", ""), chain.get("tip_link", "")) or ()
         for inner in node.findall("group"):
-            yield from self._steps(inner.get("name", ""), outer_groups | {group})
+            yield from self._steps(inner.get("name", ""), visited_groups)
 
     def rigid_with(self, link: str) -> set[str]:
         """Returns `link` and the links that no joint moves relative to it."""

@@ -177,6 +177,7 @@ def _is_unsupported_contact_sensor(model: Any, index: int) -> bool:
 
 
 def _is_missing_sensor(model: Any, index: int) -> bool:
+    """Tells whether MJX lacks sensors of this type."""
     name = str(_SENSOR(int(model.sensor_type[index])).name).removeprefix("mjSENS_")
     return name.startswith(_MISSING_SENSORS)
 

@@ -83,6 +83,15 @@ def test_end_effector_needs_no_parent_group(tmp_path):
     assert ('end_effector "foot"', "parent_group") in findings(tmp_path, "</robot>", corrected)
 
 
+def test_groups_of_groups_are_read_once(tmp_path):
+    """Each group has the next twice: to read each as often as it is named would take 2⁶⁰ steps."""
+    inner = "".join(
+        f'<group name="g{n}"><group name="g{n + 1}"/><group name="g{n + 1}"/></group>' for n in range(60)
+    )
+    last = '<group name="g60"><joint name="shoulder"/></group></robot>'
+    assert findings(tmp_path, "</robot>", inner + last) == []
+
+
 def test_groups_and_poses_of_the_users_own_are_no_fault(tmp_path):
     assert findings(tmp_path, "</robot>", OWN) == []
 
