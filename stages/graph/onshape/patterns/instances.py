@@ -232,7 +232,7 @@ class _Copier:
         names = assembly.occurrences[owner].names if owner else ()
         inner = owner[: len(image.series.pattern.owner) + 1] in image.series.pattern.copies
         ref = replace(source.ref, name=name, copy="/".join(image.copy[0 if inner else len(owner) :]))
-        return Mate(ref, "/".join((*names, name)), entities, source.limits)
+        return replace(source, ref=ref, title="/".join((*names, name)), entities=entities)
 
     def _entity(self, entity: Entity, place: Path, image: Image, copied: bool) -> Entity:
         """Returns the entity as its image moves it, on the occurrence `place`; `copied`: whether that is in

@@ -1,16 +1,24 @@
 """Patterns and mirrors: the joints of the copies, against the local Onshape's own kinematics."""
 
+from dataclasses import replace
+
 import numpy as np
+import orjson
 import pytest
 from hypothesis import given, settings
 
 from linkwright.stages.graph.onshape.bodies import find_bodies
+from linkwright.stages.graph.onshape.definition import read_assembly
+from linkwright.stages.graph.onshape.mass.part_solids import PartSolids
+from linkwright.stages.graph.onshape.patterns.instances import with_copies
 from linkwright.stages.graph.section import DepthSection, GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
+from linkwright.stages.robot.model.dofs import LimitOrigin
 from linkwright.stages.robot.model.poses import inverse
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.frames import frame, turn
 from tests.fake_onshape.random_document import documents
+from tests.support.building import bundle_of
 from tests.support.kit import SIDE, TOP
 from tests.support.patterned import (
     PLANE,
@@ -84,6 +92,17 @@ def test_copies_are_numbered_as_instances_and_keep_limits(kit):
     assert log.notes[0].message.startswith("3 joints copied for 3 instances")
     bodies = bodies_of(assembly, log)
     assert (len(bodies.members), len(bodies.moving)) == (5, 4)
+
+
+def test_copies_know_why_the_limits_of_their_seed_are_unknown(kit):
+    _, arm = draw(kit, "revolute", 0.2)
+    kit.root.pattern("Row", [arm], [frame((0.1, 0, 0))])
+    assembly = read_assembly(orjson.dumps(definition(kit.document)))
+    origin = LimitOrigin("limitAxialZMax is '#lost', which has no value")
+    assembly = replace(assembly, mates=[replace(assembly.mates[0], limit_origin=origin)])
+    solids = PartSolids(assembly, bundle_of(kit.document))
+    (copy,) = copies(with_copies(assembly, GraphSections(), solids, Diagnostics()))
+    assert copy.limit_origin == origin
 
 
 def handed(kit, *places):
