@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import networkx as nx
 
-from linkwright.stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
+from linkwright.stages.graph.mechanism import WORLD_LINK, Marker, Mechanism, RigidBody
 from linkwright.stages.graph.section import RootSection
 from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.errors import NoRoot
@@ -84,8 +84,16 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
 
 def heaviest(mechanism: Mechanism, body_indices: Sequence[int]) -> int:
     """Returns the number of the heaviest body; of equally heavy bodies, the first by name."""
-    mass = {body: sum(part.inertial.mass for part in mechanism.bodies[body].parts) for body in body_indices}
-    return min(body_indices, key=lambda number: (-mass[number], mechanism.bodies[number].name))
+    return min(
+        body_indices, key=lambda number: (-_mass(mechanism.bodies[number]), mechanism.bodies[number].name)
+    )
+
+
+def _mass(body: RigidBody) -> float:
+    """Returns the mass [kg] of a body: its own if it has any, else the sum of its parts'."""
+    if body.own_inertial is not None:
+        return body.own_inertial.mass
+    return sum(part.inertial.mass for part in body.parts)
 
 
 def base_of(mechanism: Mechanism, root: int, section: RootSection, log: Diagnostics) -> Base:

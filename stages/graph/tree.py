@@ -216,8 +216,11 @@ def _island_tree(
     if keys.disconnected == "drop":
         return [], []
     fixed_bodies = [body for body in island if mechanism.bodies[body].fixed_reason]
-    floating_joint = [body for body in island if mechanism.bodies[body].floating_joint is not None]
-    head = heaviest(mechanism, fixed_bodies or floating_joint or island)
+    floating_bodies = [body for body in island if mechanism.bodies[body].floating_joint is not None]
+    # A file says which of its links is a parent: the links of a loose tree keep their frames.
+    children = {edge["connection"].bodies[0] for *_, edge in graph.edges(island, data=True)}
+    tops = [] if mechanism.has_saved_pose else [body for body in island if body not in children]
+    head = heaviest(mechanism, fixed_bodies or floating_bodies or tops or island)
     order, edges = _walk(graph, head)
     replacement: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
     return order, [Edge(root, head, None, replacement), *edges]

@@ -96,6 +96,16 @@ def test_several_roots_may_be_welded():
     assert [joint.type for joint in robot.joints] == ["revolute", "fixed"]
 
 
+def test_a_loose_tree_keeps_its_own_root():
+    joints = (joint(name, *ends) for name, *ends in (("h", "trunk", "leg"), ("k", "leg", "foot")))
+    links = map(link, ("trunk", "leg", "foot", "base", "arm"))
+    text = robot_text(*links, *joints, joint("j", "base", "arm"))
+    robot = urdf_robot(text, plan_of(root={"disconnected": "weld"}))
+    ends = {joint.name: (joint.parent, joint.child) for joint in robot.joints}
+    assert ends["j"] == ("base", "arm")
+    assert ends["base_fixed"] == ("trunk", "base")
+
+
 def test_mimics_that_follow_nothing():
     drivers = {"own": "own", "none": "nothing", "rigid": "fix", "one": "two", "two": "one"}
     text = robot_text(
