@@ -8,10 +8,20 @@ import numpy as np
 from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
-from linkwright.stages.robot.model.mjcf_extras import MjcfAttributes, MjcfBodyFrame, MjcfMounted
-from linkwright.stages.robot.model.poses import inverse
+from linkwright.stages.robot.model.mjcf_extras import (
+    MjcfAttributes,
+    MjcfBodyFrame,
+    MjcfExtras,
+    MjcfKeyframe,
+    MjcfMounted,
+)
+from linkwright.stages.robot.model.poses import from_parts, inverse, quat_from_rotation, rotation_from_quat
 from linkwright.stages.robot.model.robot import Array, Dof, Robot, frozen
 from linkwright.stages.robot.motion.kinematics import link_poses, saved_configuration
+from linkwright.stages.robot.motion.start_pose import keyframes
+
+FRAME_TOLERANCE = 1e-12
+"""Largest difference of a pose from the identity that counts as rounding."""
 
 _ATTRIBUTE_PREFIXES = {
     "damping": "damping",
@@ -40,14 +50,26 @@ def with_bodies(robot: Robot, mechanism: Mechanism) -> Robot:
     )
     mounted = tuple(element for element in extras.mounted if element.link in poses)
     root = next((frame for frame in bodies if frame.link == robot.root.name), None)
+    root_bodies = bodies
     if root is not None:
-        bodies, mounted = _with_root(root, bodies, mounted)
-    return replace(robot, mjcf=replace(extras, bodies=bodies, mounted=mounted))
+        root_bodies, mounted = _with_root(root, bodies, mounted)
+    floating = _floating_link(mechanism)
+    link_from_floating = next((frame.link_from_body for frame in bodies if frame.link == floating), np.eye(4))
+    return replace(
+        robot,
+        mjcf=replace(
+            extras,
+            bodies=root_bodies,
+            mounted=mounted,
+            keyframes=tuple(_moved_keyframe(keyframe, link_from_floating) for keyframe in extras.keyframes),
+        ),
+    )
 
 
 def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diagnostics) -> Robot:
     """Returns the robot whose extras lack the attributes of missing links, and of values that the
-    configuration sets. Reports W-MJCF-LEFT for joints that follow other joints than in the source."""
+    configuration sets, and whose keyframes place the robot's root. Reports W-MJCF-LEFT for joints that follow
+    other joints than in the source."""
     if robot.mjcf is None:
         return robot
     links = {link.name for link in robot.links}
@@ -60,9 +82,48 @@ def with_mjcf(robot: Robot, mechanism: Mechanism, keys: GraphSections, log: Diag
     return replace(
         robot,
         mjcf=replace(
-            robot.mjcf, attributes=tuple(attribute_set for attribute_set in attributes if attribute_set)
+            robot.mjcf,
+            attributes=tuple(attribute_set for attribute_set in attributes if attribute_set),
+            keyframes=_keyframes_of_root(robot, robot.mjcf, _floating_link(mechanism)),
         ),
     )
+
+
+def _floating_link(mechanism: Mechanism) -> str:
+    """Returns the link that floats in the source, "" without one. The source's keyframes have no place of the
+    robot if several links float."""
+    return next((body.name for body in mechanism.bodies if body.floating_joint is not None), "")
+
+
+def _keyframes_of_root(robot: Robot, extras: MjcfExtras, floating: str) -> tuple[MjcfKeyframe, ...]:
+    """Returns the keyframes with the place of the robot's root, which the user may choose, instead of that of
+    the link `floating`."""
+    has_places = any(keyframe.world_from_root for keyframe in extras.keyframes)
+    if not has_places or robot.base.fixed or floating == robot.root.name:
+        return extras.keyframes
+    is_present = any(link.name == floating for link in robot.links)
+    if not is_present or any(dof.kind == "free" for dof in robot.dofs):
+        # The link is left out, or floats relative to the root: the source does not place the root.
+        return tuple(replace(keyframe, world_from_root=()) for keyframe in extras.keyframes)
+    values = keyframes(robot)
+    return tuple(
+        _moved_keyframe(keyframe, link_poses(robot, values[keyframe.name])[floating])
+        if keyframe.name in values
+        else keyframe
+        for keyframe in extras.keyframes
+    )
+
+
+def _moved_keyframe(keyframe: MjcfKeyframe, new_from_old: Array) -> MjcfKeyframe:
+    """Returns a keyframe that places another frame, in which the frame placed so far is at `new_from_old`
+    (4, 4)."""
+    if not keyframe.world_from_root or np.abs(new_from_old - np.eye(4)).max() < FRAME_TOLERANCE:
+        return keyframe
+    x, y, z, *quat = keyframe.world_from_root
+    world_from_old = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
+    world_from_new = world_from_old @ inverse(new_from_old)
+    numbers = (*world_from_new[:3, 3], *quat_from_rotation(world_from_new[:3, :3]))
+    return replace(keyframe, world_from_root=tuple(float(number) for number in numbers))
 
 
 def _configured_loops(robot: Robot, keys: GraphSections) -> set[str]:

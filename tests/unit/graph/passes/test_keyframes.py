@@ -11,6 +11,7 @@ from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.loops import gap
 from linkwright.stages.robot.motion.start_pose import home, keyframes, saved, starting_point
 from tests.support.exports import compiled, exported
+from tests.support.mjcfs import body, model, rebuilt, written
 from tests.support.reported import only
 from tests.support.robots import joint, robot_with
 from tests.unit.robot.test_home import four_bar
@@ -99,6 +100,33 @@ def test_a_simulation_starts_at_home_where_zero_is_outside():
     bar = four_bar({"drive": Limits(1.3, 2.0)})
     assert starting_point(bar) == home(bar)
     assert gap(bar.loops[0], link_poses(bar, starting_point(bar))) < 1e-9
+
+
+TOP = {"child": "torso", "xyz": [0.1, 0, -0.2], "rpy": [0.3, 0, 0], "mass": 1, "inertia": [1, 1, 1, 0, 0, 0]}
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"root": {"select": "leg"}},
+        {"root": {"frame": "chest"}, "frames": {"include": ["*"]}},
+        {"links": {"top": TOP}},
+    ],
+)
+def test_a_sources_keyframe_places_whatever_root_is_chosen(keys, tmp_path):
+    leg_body = body("leg", '<joint name="hip" axis="0 1 0" pos="0 0 .1"/>', pos="0 .1 .3", euler="0 0 1")
+    inside = f'<freejoint/><site name="chest" pos=".1 .2 .3" euler="1 0 0"/>{leg_body}'
+    world = '<geom type="plane" size="0 0 1"/>' + body("torso", inside, pos="0 0 1")
+    key = '<keyframe><key name="up" qpos="1 2 3 .5 .5 -.5 .5 .7"/></keyframe>'
+    path = written(tmp_path, model(world, key))
+    source, target = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path, **keys))
+    poses = []
+    for engine in (source, target):
+        data = mujoco.MjData(engine)
+        mujoco.mj_resetDataKeyframe(engine, data, engine.key("up").id)
+        mujoco.mj_forward(engine, data)
+        poses.append(np.array([data.body(name).xipos for name in ("torso", "leg")]))
+    assert np.abs(poses[0] - poses[1]).max() < 1e-6
 
 
 def test_the_mjcf_has_each_keyframe_and_starts_within_the_limits():
