@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from linkwright.stages.formats.numbers import exact
 from linkwright.stages.graph.mechanism import Mechanism
 from linkwright.stages.graph.section import GraphSections
 from linkwright.stages.robot.diagnostics import Diagnostics
@@ -172,18 +173,30 @@ def _with_root(
 def _remaining_attributes(
     attributes: MjcfAttributes, dofs: Mapping[str, Dof], links: set[str], loops: set[str]
 ) -> MjcfAttributes | None:
-    """Returns the attributes without those whose values the configuration sets; None if none remains.
-    `loops`: the loops whose solref the configuration sets."""
+    """Returns the attributes without those whose values the configuration sets; None if none remains. If the
+    configuration inverts a joint's value, the joint's attributes are inverted too. `loops`: the loops whose
+    solref the configuration sets."""
     if attributes.kind in ("body", "freejoint"):
         return attributes if attributes.name in links else None
     if attributes.kind == "equality" and attributes.name in loops:
         return None
     if attributes.kind != "joint" or attributes.name not in dofs:
         return attributes
-    prefixes = tuple(
-        _ATTRIBUTE_PREFIXES[name] for name in dofs[attributes.name].given if name in _ATTRIBUTE_PREFIXES
-    )
+    dof = dofs[attributes.name]
+    prefixes = tuple(_ATTRIBUTE_PREFIXES[name] for name in dof.given if name in _ATTRIBUTE_PREFIXES)
     remaining = tuple(
-        pair for pair in attributes.attributes if not (prefixes and pair[0].startswith(prefixes))
+        (name, _inverted_value(name, text) if dof.mate_value.sign < 0 else text)
+        for name, text in attributes.attributes
+        if not (prefixes and name.startswith(prefixes))
     )
     return replace(attributes, attributes=remaining) if remaining else None
+
+
+def _inverted_value(name: str, text: str) -> str:
+    """Returns the value of a joint's attribute for the opposite direction."""
+    if name == "actuatorfrcrange":
+        return exact(-float(end) + 0.0 for end in reversed(text.split()))
+    if name == "stiffness":
+        # The force k₀ x + k₁ x² + k₂ x³ changes its sign with x if the coefficients of even powers do.
+        return exact(float(number) * (-1) ** power + 0.0 for power, number in enumerate(text.split()))
+    return text

@@ -160,6 +160,20 @@ def test_a_sources_actuators_pull_as_before(keys, engine):
     assert new.actuator_ctrlrange == pytest.approx(np.where(old.actuator_ctrllimited[:, None], ranges, 0))
 
 
+def test_attributes_that_favour_a_direction_keep_their_direction(tmp_path):
+    hinge = '<joint name="slew" axis="0 1 0" actuatorfrcrange="-1 5" stiffness="1 .5 .3" damping="1 .5 .2"/>'
+    path = written(tmp_path, model(body("arm", hinge)))
+    forces = []
+    for joints in ({}, {"slew": {"invert": True}}):
+        engine = compiled(exported(mjcf_robot(path, joints=joints), joints=joints))
+        data = mujoco.MjData(engine)
+        data.qpos[:], data.qvel[:] = (-0.5, -0.3) if joints else (0.5, 0.3)
+        mujoco.mj_forward(engine, data)
+        forces.append(data.qfrc_passive[0])
+    assert engine.jnt_actfrcrange.tolist() == [[-5, 1]]
+    assert forces[1] == pytest.approx(-forces[0])
+
+
 CONTROL = """
 <ros2_control name="c" type="system"><hardware><plugin>p</plugin></hardware>
 <joint name="slew"><command_interface name="position">
