@@ -42,7 +42,8 @@ def write_scene(inputs: "WriterInput", model: bytes) -> bytes:
     of that file."""
     robot, keys, standing = inputs.written.robot.name, inputs.keys, inputs.standing
     extras = inputs.written.extras
-    root, robot_root = parse(TEMPLATE.read_bytes()), parse(model)
+    # Each link of a chain is a level: `large` allows 2048 of them.
+    root, robot_root = parse(TEMPLATE.read_bytes()), parse(model, large=True)
     root.set("model", f"{robot}_scene")
     root.find("include").set("file", f"{robot}.xml")
     _settings(root, "compiler", keys.scene.compiler)
