@@ -176,7 +176,7 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
         fault = f'has the type "{kind}"' if kind else "has no type"
         log.report("E-URDF-TYPE", element, f'joint "{name}" {fault}', f"the types are {', '.join(_TYPES)}")
         return None
-    joint_type: UrdfJointType = next(known for known in get_args(UrdfJointType) if known == kind)
+    joint_type: UrdfJointType = next(name for name in get_args(UrdfJointType) if name == kind)
     limits, effort, velocity = _limit(element, joint_type, log)
     dynamics = child(element, "dynamics", log)
     if dynamics is not None:

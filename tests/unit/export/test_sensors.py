@@ -368,9 +368,9 @@ def test_name_that_only_the_mjcf_has_is_taken(sensor, words, tmp_path):
     path = written(tmp_path, mjcf(body("arm", inside, pos="0 0 1"), TENDON))
     with pytest.raises(ExportError) as refused:
         rebuilt(path, sensors=sensor)
-    (found,) = refused.value.problems
-    assert found.code == "E-SENSOR"
-    assert words in found.message
+    (problem,) = refused.value.problems
+    assert problem.code == "E-SENSOR"
+    assert words in problem.message
 
 
 def test_site_of_a_sensor_has_another_name_than_a_site_of_the_scene(tmp_path):

@@ -150,7 +150,7 @@ def test_values_increase_from_home_outwards():
 
 
 def test_value_outside_a_narrow_range_takes_no_more_steps():
-    """Of a file whose range is not the robot's; else the steps would be as many as the range is narrow."""
+    """The file's range is not the robot's; else the steps would be as many as the range is narrow."""
     ranged = 'range="0.1 0.1001" limited="true"'
     apart = ball_and_post(END + 2 * math.asin(RADIUS / LONG) + 0.2, post=ranged)
     (check,) = reach.check(compiled_of(apart, TWO))

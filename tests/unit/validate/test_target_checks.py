@@ -308,8 +308,8 @@ def test_sdf_is_judged_by_its_text(tmp_path):
 def test_joint_of_a_plugin_or_of_another_model_closes_no_loop(tmp_path):
     sdf = tmp_path / "arm.sdf"
     plugin = '<plugin name="p" filename="p"><joint>j</joint><joint>k</joint></plugin>'
-    one = SDF.partition("<model")[1] + SDF.partition("<model")[2].partition("</model>")[0]
-    models = f"{one}{plugin}</model>{one}</model>".replace('type="ball"', 'type="fixed"')
+    model = SDF.partition("<model")[1] + SDF.partition("<model")[2].partition("</model>")[0]
+    models = f"{model}{plugin}</model>{model}</model>".replace('type="ball"', 'type="fixed"')
     sdf.write_text(f'<sdf version="1.9"><world name="w">{models}</world></sdf>')
     check = check_of("drake", sdf)
     loops = [finding.element for finding in check.findings if "loops" in finding.message]

@@ -127,10 +127,10 @@ def test_missing_limits_are_reported_with_a_block_that_sets_them(arm):
         ("W-LIMIT", "lift_slide", "the joint has no limits"),
     ]
     assert log.notes[0].hint.endswith("joints: {left_hip: {limits: [low, high]}}  # rad")
-    said = yaml.safe_load(log.notes[-1].hint.split("\n", 2)[2])["joints"]
-    assert list(said) == ["left_hip", "lift_turn", "lift_slide"]
-    robot, log = keyed(arm, **said)
-    robot, more = checked(robot, GraphSections(joints=said).joints)
+    advice = yaml.safe_load(log.notes[-1].hint.split("\n", 2)[2])["joints"]
+    assert list(advice) == ["left_hip", "lift_turn", "lift_slide"]
+    robot, log = keyed(arm, **advice)
+    robot, more = checked(robot, GraphSections(joints=advice).joints)
     assert reports(log) == reports(more) == []
     assert {dof.limits for dof in robot.dofs} == {Limits()}
 
