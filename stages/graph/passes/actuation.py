@@ -1,6 +1,7 @@
 """Carries over the source's transmissions, controls and actuators, with the robot's names and joint
 values."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from linkwright.stages.formats.urdf.transmission_counts import with_counts
@@ -11,11 +12,15 @@ from linkwright.stages.robot.diagnostics import Diagnostics
 from linkwright.stages.robot.model.robot import Robot, Sensor, Transmission
 from linkwright.stages.robot.text.globs import name_list
 
+SUBTREE_SENSORS = ("force", "torque", "subtreecom", "subtreelinvel", "subtreeangmom")
+"""Types of sensors that measure the bodies below their body, or the force between it and its parent."""
+
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
     """Returns the robot with the mechanism's transmissions, controls, actuators and sensors, as far as their
     objects are still in the robot."""
     mate_values = {dof.name: dof.mate_value for dof in robot.dofs}
+    sensors = [sensor for sensor in mechanism.sensors if _has_objects(robot, sensor)]
     controls = tuple(with_counts(text, mate_values) for text in _controls(mechanism, robot, log))
     return replace(
         robot,
@@ -26,8 +31,42 @@ def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robo
             for actuator in mechanism.actuators
             if actuator.dof in mate_values
         ),
-        sensors=tuple(sensor for sensor in mechanism.sensors if _has_objects(robot, sensor)),
+        sensors=tuple(_valid_sensors(sensors, robot, mechanism, log)),
     )
+
+
+def _valid_sensors(
+    sensors: Sequence[Sensor], robot: Robot, mechanism: Mechanism, log: Diagnostics
+) -> Iterator[Sensor]:
+    """Yields the sensors that measure the same as in the source. Reports W-MJCF-LEFT for the others."""
+    turned_links = _turned_links(robot, mechanism)
+    link_of_target = {frame.name: frame.link for frame in robot.frames} | {
+        link.name: link.name for link in robot.links
+    }
+    lost_names = []
+    for sensor in sensors:
+        if sensor.type in SUBTREE_SENSORS and link_of_target.get(sensor.name_of_target) in turned_links:
+            lost_names.append(sensor.name)
+        else:
+            yield sensor
+    if lost_names:
+        names = name_list(lost_names)
+        text = f"sensors left out: {names}, since other bodies are above and below theirs than in the source"
+        hint = "leave root.select at auto, or add them in `sensors`"
+        log.report("W-MJCF-LEFT", text, robot.root.name, hint)
+
+
+def _turned_links(robot: Robot, mechanism: Mechanism) -> set[str]:
+    """Returns the links that have another parent than in the source: those between the source's root and that
+    of the robot."""
+    if mechanism.root is None:
+        return set()
+    # Joints that the source does not have, those of added links, leave all that is below them as it is.
+    parents = {joint.child: joint.parent for joint in robot.joints if joint.mate is not None}
+    path = [mechanism.bodies[mechanism.root].name]
+    while path[-1] in parents:
+        path.append(parents[path[-1]])
+    return set(path) if len(path) > 1 else set()
 
 
 def _has_objects(robot: Robot, sensor: Sensor) -> bool:

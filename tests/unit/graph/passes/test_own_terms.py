@@ -29,7 +29,7 @@ from tests.support.exports import compiled, exported
 from tests.support.kit import Kit
 from tests.support.mjcfs import body, model, written
 from tests.support.mjcfs import robot_of as mjcf_robot
-from tests.support.reported import reports
+from tests.support.reported import only, reports
 from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_with, some_value, some_values
 
 
@@ -172,6 +172,19 @@ def test_attributes_that_favour_a_direction_keep_their_direction(tmp_path):
         forces.append(data.qfrc_passive[0])
     assert engine.jnt_actfrcrange.tolist() == [[-5, 1]]
     assert forces[1] == pytest.approx(-forces[0])
+
+
+def test_sensors_of_what_is_below_a_body_are_left_out_below_another_root(tmp_path):
+    leg = body("leg", '<joint name="hip" axis="0 1 0"/><site name="foot"/>' + body("toe", "<joint/>"))
+    on_leg = (
+        '<subtreecom name="com" body="leg"/><force name="push" site="foot"/><gyro name="gyro" site="foot"/>'
+    )
+    sensors = f'<sensor>{on_leg}<subtreecom name="toes" body="toe"/></sensor>'
+    path = written(tmp_path, model(body("torso", f"<freejoint/>{leg}"), sensors))
+    robot = mjcf_robot(path, root={"select": "leg"})
+    assert [sensor.name for sensor in robot.sensors] == ["gyro", "toes"]
+    assert "left out: com, push," in only(robot, "W-MJCF-LEFT").message
+    assert [sensor.name for sensor in mjcf_robot(path).sensors] == ["com", "push", "gyro", "toes"]
 
 
 CONTROL = """
