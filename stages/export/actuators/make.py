@@ -16,6 +16,7 @@ from linkwright.stages.export.actuators.ranges import control_range, with_keyfra
 from linkwright.stages.export.actuators.terms import terms_of
 from linkwright.stages.robot.dynamics.holding_control import can_hold, holding_control
 from linkwright.stages.robot.model.actuation import SERVOS, Actuator, ActuatorType, Armature
+from linkwright.stages.robot.model.mjcf_extras import NO_EXTRAS, children_of
 from linkwright.stages.robot.model.robot import Dof, Robot, Value
 from linkwright.stages.robot.motion.start_pose import HOME, keyframes
 from linkwright.stages.robot.text.names import free_name
@@ -52,7 +53,10 @@ class ActuatorMaker:
     ) -> None:
         self._motors = motors
         self._coupled = coupled
-        self._taken: set[str] = set()
+        extras = robot.mjcf or NO_EXTRAS
+        sections = (*extras.sections, *extras.scene)
+        # MuJoCo refuses two actuators of one name, also if the source's drives a tendon or an object.
+        self._taken = {element.name for element in children_of(sections, "actuator")}
         self._timestep = timestep
         self._holds = holds
         self._poses = keyframes(robot)

@@ -242,6 +242,17 @@ def test_advice_leaves_out_robots_that_tendons_drive(tmp_path):
     assert advice == ["nothing holds hinge against its weight: try actuators=position", ""]
 
 
+def test_actuator_has_another_name_than_that_of_a_tendon(tmp_path):
+    arm = mjcfs.body("base", mjcfs.body("arm", '<joint name="hinge" axis="0 1 0"/>'))
+    cord = '<tendon><fixed name="cord"><joint joint="hinge" coef="2"/></fixed></tendon>'
+    motor = '<actuator><motor name="hinge" tendon="cord"/></actuator>'
+    outcome = mjcfs.rebuilt(
+        mjcfs.written(tmp_path, mjcfs.model(arm, cord + motor)), actuators={"hinge": "position"}
+    )
+    model = compiled(outcome)
+    assert {model.actuator(index).name for index in range(model.nu)} == {"hinge", "hinge_2"}
+
+
 def weighing():
     """Two turns of which the second bears the weight and follows the first."""
     swings = [
