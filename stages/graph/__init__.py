@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 31
+VERSION = 32
 
 
 def build_robot(bundle: "Bundle", keys: "GraphSections") -> "Robot":
