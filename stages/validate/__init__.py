@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from linkwright.stages.validate.section import ValidateSections
     from linkwright.stages.validate.user_checks import UserCheck
 
-VERSION = 63
+VERSION = 64
 """Grows with every change of this stage's results for the same input."""
 
 

@@ -46,31 +46,32 @@ def check_files(
     options: CheckOptions = DEFAULT_OPTIONS,
 ) -> Iterator[Check]:
     """Yields the results of every file in `folder` that an engine reads; without `checks`, only whether each
-    file compiles. `user_checks`: the user's own checks, which run only for the first file."""
+    file compiles. `user_checks`: the user's own checks, which run only for the first file that compiles."""
     for engine in ENGINES:
         files = engine.files(written.robot.name)
         for file in files:
             if (folder / file).exists():
-                # The engine loads the model only while the file's checks run: see `_check_file`.
-                uncompiled = CompiledModel(folder / file, None, written, options)
-                file_checks = [check for check in checks if kinds_of(uncompiled.path) & {*check.files}]
-                results = _check_file(uncompiled, engine, file_checks, user_checks)
-                user_checks = ()
+                path = folder / file
+                file_checks = [check for check in checks if kinds_of(path) & {*check.files}]
+                results, is_compiled = _check_file(path, written, engine, file_checks, user_checks, options)
+                if is_compiled:
+                    user_checks = ()
                 # A scene includes the engine's first file, and so the user's changes to it.
                 changed_files = [file, *files[:1]] if file == SCENE else [file]
                 changes = written.amendments.changes_of(*changed_files)
-                yield from (_with_changes(check, changes) for check in results)
+                yield from (_with_changes(result, changes) for result in results)
 
 
 def check_texts(folder: Path, written: Written) -> Iterator[Check]:
     """Checks files as text, before any engine runs."""
     robot, amendments = written.robot.name, written.amendments
-    models = [file for engine in ENGINES for file in engine.files(robot)]
+    model_files = [file for engine in ENGINES for file in engine.files(robot)]
     # Files that the user's own XML names may be of any package.
     packages = None if amendments.changes_of(f"{robot}.urdf") else (written.urdf_form.package,)
-    for check in check_folder(folder, models, (f"{robot}{ending}" for ending in UNREAD_ENDINGS), packages):
-        file = check.name.partition(":")[0]
-        yield _with_changes(check, amendments.changes_of(file) if file in models else ())
+    other_files = (f"{robot}{ending}" for ending in UNREAD_ENDINGS)
+    for result in check_folder(folder, model_files, other_files, packages):
+        file = result.name.partition(":")[0]
+        yield _with_changes(result, amendments.changes_of(file) if file in model_files else ())
     yield from model_config(folder, robot)
 
 
@@ -91,26 +92,30 @@ def check_formats(folder: Path, written: Written, target: TargetSection, *, quic
         path = folder / f"{written.robot.name}{row.ending}"
         if path.exists():
             results = guarded(f"{path.name}: checks", partial(row.function, path, written, quick))
-            yield from (replace(check, code=row.code) for check in results)
+            yield from (replace(result, code=row.code) for result in results)
     yield from check_targets(folder, written, target)
 
 
 def _check_file(
-    uncompiled: CompiledModel, engine: Engine, checks: Sequence[ModelCheck], user_checks: Sequence[UserCheck]
-) -> list[Check]:
-    """Returns the results of a file. Its model is freed afterwards, since a large model takes half a
-    gigabyte."""
-    path = uncompiled.path
+    path: Path,
+    written: Written,
+    engine: Engine,
+    checks: Sequence[ModelCheck],
+    user_checks: Sequence[UserCheck],
+    options: CheckOptions,
+) -> tuple[list[Check], bool]:
+    """Returns the results of a file, and whether it compiles. Its model is freed afterwards, since a large
+    model takes half a gigabyte."""
     loaded = engine.load(path)
     if not checks or loaded.model is None:
-        return [loaded.check]
-    compiled = replace(uncompiled, model=loaded.model)
+        return [loaded.check], loaded.model is not None
+    compiled = CompiledModel(path, loaded.model, written, options)
     with engine.warnings() as warnings:
         results = [
             *_check_model(compiled, checks),
-            *(result for check in user_checks for result in check.check(compiled)),
+            *(result for user_check in user_checks for result in user_check.check(compiled)),
         ]
-    return [loaded.check, *results, without_warnings(f"{path.name}: runs", warnings, RUNS)]
+    return [loaded.check, *results, without_warnings(f"{path.name}: runs", warnings, RUNS)], True
 
 
 def readiness(folder: Path, written: Written, checks: Sequence[Check]) -> Iterator[Check]:
@@ -146,6 +151,8 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
 
 def _check_model(compiled: CompiledModel, checks: Sequence[ModelCheck]) -> Iterator[Check]:
     """Yields the results of the checks; if a link or joint is missing, only those of the first check."""
-    for row in checks[:1] if find_missing_names(compiled) else checks:
-        results = guarded(f"{compiled.path.name}: {row.title}", partial(row.function, compiled))
-        yield from (replace(check, code=check.code or row.code) for check in results)
+    for model_check in checks[:1] if find_missing_names(compiled) else checks:
+        results = guarded(
+            f"{compiled.path.name}: {model_check.title}", partial(model_check.function, compiled)
+        )
+        yield from (replace(result, code=result.code or model_check.code) for result in results)

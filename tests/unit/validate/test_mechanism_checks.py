@@ -6,10 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.stages.validate.checks.mechanism import hinge_axes
+from linkwright.stages.robot.model.amendments import Amendment, Amendments
+from linkwright.stages.validate.checks.mechanism import hinge_axes, placement
 from linkwright.stages.validate.checks.mechanism.inertial import check
 from linkwright.stages.validate.checks.mechanism.mass_ratio import check as ratios
+from linkwright.stages.validate.compiled import CompiledModel
+from linkwright.stages.validate.engines import mujoco_engine
 from linkwright.stages.validate.model.coordinates import distance
+from tests.support.building import write
 from tests.support.compiled import compiled_of, only, world_of
 from tests.support.robots import joint, robot_with
 
@@ -38,6 +42,22 @@ def test_nan_of_a_rotation_is_no_small_distance():
     turned = np.eye(4)
     turned[0, 0] = np.nan
     assert distance(turned, np.eye(4)) == math.inf
+
+
+@pytest.mark.parametrize(("attribute", "value"), [("quat", 0.25), ("pos", math.pi / 2)])
+def test_placement_is_measured_without_what_the_user_sets(tmp_path, attribute, value):
+    """The root is 0.25 m aside and a quarter turn about z: the user set one, the other is wrong."""
+    written = write(robot_with([joint("revolute", "base", "arm")]), tmp_path).written
+    change = Amendment("elements", "robot.xml", "body base", sets=(attribute,))
+    path = tmp_path / "robot.xml"
+    model = mujoco_engine.load(path).model
+    body = model.body("base").id
+    model.body_pos[body] += (0.25, 0.0, 0.0)
+    model.body_quat[body] = (math.cos(math.pi / 4), 0.0, 0.0, math.sin(math.pi / 4))
+    compiled = CompiledModel(path, model, replace(written, amendments=Amendments((change,))))
+    (result,) = placement.check(compiled)
+    assert [finding.attribute for finding in result.findings] == [{"quat": "pos", "pos": "quat"}[attribute]]
+    assert result.value == pytest.approx(value, rel=1e-9)
 
 
 FIT, DENSITY, CENTRE = "inertia fits the shape", "density of matter", "centre of mass in the shape"

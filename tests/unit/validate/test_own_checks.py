@@ -12,10 +12,13 @@ from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.plugins.loader import sources_digest, target
 from linkwright.pipeline.plugins.trusted_modules import NotTrusted, trust
 from linkwright.stages.robot.check import Check
+from linkwright.stages.validate import validate
 from linkwright.stages.validate.user_checks import UserCheck
+from tests.support.building import plan_of, write
 from tests.support.command import linkwright
 from tests.support.compiled import compiled_of
 from tests.support.places import PROJECT
+from tests.support.robots import joint, robot_with
 
 MODEL = '<mujoco><worldbody><body name="base"><joint/><geom size=".1" mass="2"/></body></worldbody></mujoco>'
 
@@ -73,6 +76,20 @@ def test_error_in_a_file_called_like_ours_has_its_place(tmp_path):
     exec(compile(file.read_text(), str(file), "exec"), names)
     (check,) = results(names["heavy"], "user_checks.heavy")
     assert check.detail.endswith("too heavy (user_checks.py, line 2)")
+
+
+def test_check_runs_once_for_the_first_file_that_compiles(tmp_path):
+    written = write(robot_with([joint("revolute", "base", "arm")]), tmp_path).written
+    own = [UserCheck("my_checks.light", light)]
+
+    def names():
+        return [
+            check.name for check in validate(tmp_path, written, plan_of(), own) if check.code == "X-LIGHT"
+        ]
+
+    assert names() == ["robot.xml: weight"]
+    (tmp_path / "robot.xml").write_text("<mujoco><worldbody><body/></mujoco>")
+    assert names() == ["robot.urdf: weight"]
 
 
 @pytest.mark.parametrize("gives", [None, "text", 3, [1]])

@@ -19,7 +19,7 @@ from linkwright.stages.validate.findings import (
     pose_findings,
     shown,
 )
-from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, ORIENTATIONS, distance, root_pose
+from linkwright.stages.validate.model.coordinates import CAD_ERROR, FREE, ORIENTATIONS, root_pose
 from linkwright.stages.validate.model.poses import placed
 
 
@@ -34,18 +34,22 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
+    """Compares the root at the start, where its pose is that of the file. Attributes that the user's own XML
+    sets are not compared."""
     model, data = compiled.model, mujoco.MjData(compiled.model)
     mujoco.mj_kinematics(model, data)
     pose = root_pose(model, data, compiled.robot)
-    body = body_index(model, root) > 0
-    element = link(root, urdf=False) if body else named("site", root)
-    user_sets = compiled.sets_of(f"{'body' if body else 'site'} {root}")
+    has_body = body_index(model, root) > 0
+    element = link(root, urdf=False) if has_body else named("site", root)
+    user_sets = compiled.sets_of(f"{'body' if has_body else 'site'} {root}")
     findings = [
         finding
         for finding in pose_findings(element, pose, expected, ("pos", "quat"), CAD_ERROR)
         if not user_sets & (ORIENTATIONS if finding.attribute == "quat" else {finding.attribute})
     ]
-    value = distance(pose, expected) if findings else 0.0
+    offset, angle = offset_and_angle(pose, expected)
+    errors = {"pos": offset, "quat": angle}
+    value = largest_error(errors[finding.attribute] for finding in findings)
     detail = "the root against the pose that the build gave it [m, rad]"
     return compiled.within("placement", value, CAD_ERROR, detail, findings)
 
@@ -58,16 +62,17 @@ def _in_keyframes(
     joint = int(model.body_jntadr[body]) if body > 0 and model.body_jntnum[body] else -1
     if joint < 0 or model.jnt_type[joint] != FREE:
         return
-    at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
+    address, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
     for name, expected in keyframes:
         key = keyframe_index(model, name)
+        # The check of keyframes reports a missing keyframe.
         if key < 0:
             continue
-        numbers = model.key_qpos[key][at : at + 7]
+        numbers = model.key_qpos[key][address : address + 7]
         pose = placed(numbers[3:], numbers[:3])
-        distance, angle = offset_and_angle(pose, expected)
-        worst = largest_error((worst, distance, angle))
-        if not distance <= CAD_ERROR:
+        offset, angle = offset_and_angle(pose, expected)
+        worst = largest_error((worst, offset, angle))
+        if not offset <= CAD_ERROR:
             message = f"puts {root} at {shown(pose[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
             findings.append(Finding(named("key", name), "qpos", message))
         if not angle <= CAD_ERROR:
