@@ -32,7 +32,8 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
 NOT_YET = "not_yet"
-"""The error type of a key that is reserved, but not implemented yet."""
+"""The mark, in a field's JSON Schema, of a key that is reserved but not implemented yet, and the type of its
+error."""
 
 Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
 """Non-empty text, never converted from a number: an id that YAML read as a number has lost its digits."""
@@ -52,7 +53,8 @@ Triple = tuple[Number, Number, Number]
 
 
 def not_yet(default: Any = None, **field_options: Any) -> Any:
-    """Declares a field that is not implemented yet: only its default is accepted."""
+    """Declares a field that is not implemented yet: only its default is accepted. `default`: the value, or a
+    function that makes it."""
     extra: dict[str, Any] = {NOT_YET: True}
     if callable(default):
         return Field(default_factory=default, json_schema_extra=extra, **field_options)
@@ -89,12 +91,12 @@ def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
         return {}
     texts: dict[str, dict[str, str]] = {}
     for section_class in (node for node in ast.walk(source) if isinstance(node, ast.ClassDef)):
-        for field, text in itertools.pairwise(section_class.body):
-            if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
+        for node, next_node in itertools.pairwise(section_class.body):
+            if not (isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)):
                 continue
-            if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
-                fields = texts.setdefault(section_class.name, {})
-                fields[field.target.id] = inspect.cleandoc(str(text.value.value))
+            if isinstance(next_node, ast.Expr) and isinstance(next_node.value, ast.Constant):
+                text_of_field = texts.setdefault(section_class.name, {})
+                text_of_field[node.target.id] = inspect.cleandoc(str(next_node.value.value))
     return texts
 
 
@@ -133,7 +135,7 @@ class Section(BaseModel):
         """Returns the documentation of each field by its key, without fields that have none.
 
         It is read from the source only when it is asked for: pydantic would parse the source of every section
-        whenever the command starts, which takes a quarter of the time that all sections take.
+        whenever the command starts, which would be a quarter of the time of importing all sections.
         """
         source_texts: dict[str, str] = {}
         for section in reversed(cls.__mro__):

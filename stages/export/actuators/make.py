@@ -98,7 +98,7 @@ class ActuatorMaker:
             type=cast(ActuatorType, choice.type),
             gear=gear,
             force=parameters.get("forcerange"),
-            terms=terms_of(choice.type, parameters, dof, gear, self._timestep),
+            terms=tuple(terms_of(choice.type, parameters, dof, gear, self._timestep)),
             load=None if load is None else load.largest_force,
             holds=self._holding_forces(dof, parameters.get("forcerange"), gear),
             motor=choice.motor,

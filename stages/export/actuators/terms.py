@@ -1,4 +1,4 @@
-"""Writes the MJCF attributes that only some actuator types have."""
+"""Writes an actuator's MJCF attributes that have no field of their own in `Actuator`."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,15 +16,9 @@ GENERAL_PARAMETERS = ("dyntype", "gaintype", "biastype", "dynprm", "gainprm", "b
 
 def terms_of(
     kind: str, parameters: Mapping[str, Any], dof: Dof, gear: float, timestep: float
-) -> tuple[tuple[str, str], ...]:
-    """Returns (attribute, text) in a fixed order, for an actuator of the type `kind` before the gear.
-    `timestep` [s]: MuJoCo stores a delay as a number of steps."""
-    return tuple(_attributes(kind, parameters, dof, gear, timestep))
-
-
-def _attributes(
-    kind: str, parameters: Mapping[str, Any], dof: Dof, gear: float, timestep: float
 ) -> Iterator[tuple[str, str]]:
+    """Yields (attribute, text) in a fixed order. `kind`: the type of the actuator; `parameters`: its values,
+    before the gear; `gear` [-]; `timestep` [s]."""
     names: tuple[str, ...] = ()
     if kind == "intvelocity":
         ends = (min(max(end, -UNBOUNDED_END), UNBOUNDED_END) for end in dof.limits.interval)
@@ -37,14 +31,20 @@ def _attributes(
         names = DC_MOTOR
     elif kind == "general":
         names = GENERAL_PARAMETERS
-    for name in (*names, "delay"):
+    for name in names:
         if name in parameters:
             yield name, _text(parameters[name])
     if "delay" in parameters:
-        # The tolerance keeps a delay of a whole number of steps at that number, in spite of rounding errors.
-        yield "nsample", str(max(1, math.ceil(parameters["delay"] / timestep - 1e-6)))
-        if "interp" in parameters:
-            yield "interp", parameters["interp"]
+        yield from _delay_attributes(parameters, timestep)
+
+
+def _delay_attributes(parameters: Mapping[str, Any], timestep: float) -> Iterator[tuple[str, str]]:
+    """Yields the attributes of a delay, which MuJoCo stores as a number of steps."""
+    yield "delay", _text(parameters["delay"])
+    # The tolerance keeps a delay of a whole number of steps at that number, in spite of rounding errors.
+    yield "nsample", str(max(1, math.ceil(parameters["delay"] / timestep - 1e-6)))
+    if "interp" in parameters:
+        yield "interp", parameters["interp"]
 
 
 def _text(value: str | float | Sequence[float]) -> str:

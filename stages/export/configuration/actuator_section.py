@@ -19,8 +19,8 @@ from linkwright.stages.robot.section import (
     invalid,
 )
 
-DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
-ActuatorName = Literal[
+DynamicsType = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
+ActuatorTypeName = Literal[
     "none", "motor", "position", "velocity", "intvelocity", "damper", "pid", "dcmotor", "general"
 ]
 
@@ -51,28 +51,29 @@ def fields_of(kind: str) -> tuple[str, ...]:
     return (*FIELDS_OF_TYPE[kind], *(COMMON_FIELDS if kind != "none" else ()))
 
 
-def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
+def _check_ascending(pair: tuple[float, float]) -> tuple[float, float]:
     if not pair[0] < pair[1]:
         raise invalid("must be [lower, upper] with lower < upper")
     return pair
 
 
-def _not_zero(value: float) -> float:
+def _check_not_zero(value: float) -> float:
     if value == 0:
         raise invalid("must not be 0")
     return value
 
 
-Pair = Annotated[tuple[Number, Number], AfterValidator(_ascending)]
-ControlPair = Annotated[tuple[Coordinate, Coordinate], AfterValidator(_ascending)]
+Range = Annotated[tuple[Number, Number], AfterValidator(_check_ascending)]
+ControlRange = Annotated[tuple[Coordinate, Coordinate], AfterValidator(_check_ascending)]
 Parameters = Annotated[tuple[Number, ...], Field(min_length=1, max_length=10)]
 
 
 class ActuatorSection(Section):
-    """What drives the dofs that a glob matches. May be given as the name of a type alone. What is null comes
-    from an earlier entry that matches, unless that has another type, or is chosen by Linkwright."""
+    """What drives the dofs that a glob matches. May be given as the name of a type alone. A null field
+    takes its value from an earlier entry that matches, unless that entry is of another type; otherwise
+    Linkwright chooses it."""
 
-    type: Annotated[ActuatorName | None, example("position")] = None
+    type: Annotated[ActuatorTypeName | None, example("position")] = None
     """none: no actuator, not even the source's; motor: the control is the torque or force; position: a servo
     that holds a value; velocity: a servo that holds a speed; intvelocity: a servo whose target moves at the
     speed of the control; damper: the control is a share of the damping `kv`; pid: a position servo with an
@@ -80,7 +81,7 @@ class ActuatorSection(Section):
     MuJoCo's own parameters. null: as in an earlier entry that matches, otherwise that of the motor; only an
     entry of nothing but sensors needs neither."""
 
-    gear: Annotated[Annotated[Number, AfterValidator(_not_zero)] | None, example(50)] = None
+    gear: Annotated[Annotated[Number, AfterValidator(_check_not_zero)] | None, example(50)] = None
     """Ratio of the actuator's motion to the dof's [-]; null: 1. The control and the parameters are those of
     the actuator, before the gear."""
 
@@ -107,11 +108,11 @@ class ActuatorSection(Section):
     slewmax: Annotated[Positive | None, example(3)] = None
     """For pid: the largest speed [rad/s or m/s] at which the target follows the control; null: no limit."""
 
-    ctrlrange: Annotated[ControlPair | None, example([-1, 1])] = None
+    ctrlrange: Annotated[ControlRange | None, example([-1, 1])] = None
     """Range of the control [rad, m, rad/s, m/s, N m, N or V; for a damper -]; null: depending on the type the
     limits of the dof, its velocity, its effort, the voltage of the motor, or for a damper [0, 1]."""
 
-    forcerange: Annotated[Pair | None, example([-12, 12])] = None
+    forcerange: Annotated[Range | None, example([-12, 12])] = None
     """Range of the actuator's force [N m or N], in addition to the effort of the dof, which always counts;
     null: only the effort. Not for dcmotor, which has `saturation`."""
 
@@ -131,7 +132,7 @@ class ActuatorSection(Section):
     biastype: Annotated[Literal["none", "affine", "muscle", "user"] | None, example("affine")] = None
     """For general: as MuJoCo's attribute of that name."""
 
-    dyntype: Annotated[DynamicsName | None, example("none")] = None
+    dyntype: Annotated[DynamicsType | None, example("none")] = None
     """For general: as MuJoCo's attribute of that name."""
 
     gainprm: Annotated[Parameters | None, example([100])] = None
@@ -194,6 +195,7 @@ class ActuatorSection(Section):
 
     @model_validator(mode="after")
     def _check_fields(self) -> Self:
+        # The type may come from another entry, or from the motor: `choices` checks the merged entry.
         if self.type is None:
             return self
         allowed = fields_of(self.type)
@@ -210,7 +212,7 @@ class ActuatorSection(Section):
         return self
 
     def explicit(self) -> dict[str, Any]:
-        """Returns the parameters that have a value, without the type and the motor."""
+        """Returns the parameters that have a value, without the type, the motor and the sensors."""
         names = (*COMMON_FIELDS, *dict.fromkeys(name for row in FIELDS_OF_TYPE.values() for name in row))
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
@@ -221,10 +223,11 @@ class ActuatorSection(Section):
         return measures and self.type is None and self.motor is None and not self.explicit()
 
 
-def _name_alone(value: Any) -> Any:
+def _entry_of_name(value: Any) -> Any:
     return {"type": value} if isinstance(value, str) else value
 
 
 ActuatorChoice = Annotated[
-    ActuatorSection, BeforeValidator(_name_alone, json_schema_input_type=ActuatorSection | ActuatorName)
+    ActuatorSection,
+    BeforeValidator(_entry_of_name, json_schema_input_type=ActuatorSection | ActuatorTypeName),
 ]

@@ -63,6 +63,37 @@ class Semantics:
 def semantics_of(srdf: bytes, description: Description) -> Semantics:
     """Returns the SRDF of a robot in the names of its package."""
     root = parse(srdf, large=True)
+    _rename(root, description)
+    passive_joints = _passive_joints(root)
+    chains = {
+        str(group.get("name")): _driven_joint_count(_joints_of_chain(description.root, chain), passive_joints)
+        for group in root.iterchildren("group")
+        for chain in group.iterchildren("chain")
+    }
+    virtual_joint = root.find("virtual_joint")
+    joints = {
+        str(group.get("name")): _joints_of_group(description.root, group)
+        for group in root.iterchildren("group")
+    }
+    end_effectors = list(root.iterchildren("end_effector"))
+    # Some files name the arm itself as the group of its end effector.
+    own_groups = {
+        node.get("group") for node in end_effectors if _moves_its_carrier(description.root, node, joints)
+    }
+    effector_groups = [node.get("group") for node in end_effectors if node.get("group") not in own_groups]
+    parent_groups = {node.get("parent_group") for node in end_effectors if node.get("parent_group")}
+    return Semantics(
+        root=root,
+        chains=chains,
+        joints=joints,
+        grippers=tuple(dict.fromkeys(effector_groups)),
+        arms=frozenset(own_groups | parent_groups),
+        world="" if virtual_joint is None else virtual_joint.get("parent_frame"),
+    )
+
+
+def _rename(root: Element, description: Description) -> None:
+    """Gives the elements of an SRDF the names of the package."""
     names = description.names
     group_names, effector_names = (
         legal_names([str(node.get("name")) for node in root.iterchildren(kind)], kind)
@@ -81,28 +112,11 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
             node.set("name", effector_names[node.get("name")])
         elif node.tag in ("joint", "passive_joint"):
             node.set("name", names.joints.get(node.get("name"), node.get("name")))
-    passive = {str(joint.get("name")) for joint in root.iterchildren("passive_joint")}
-    chains = {
-        str(group.get("name")): _driven_joint_count(_joints_of_chain(description.root, chain), passive)
-        for group in root.iterchildren("group")
-        for chain in group.iterchildren("chain")
-    }
-    virtual_joint = root.find("virtual_joint")
-    joints = {
-        str(group.get("name")): _joints_of_group(description.root, group)
-        for group in root.iterchildren("group")
-    }
-    end_effectors = list(root.iterchildren("end_effector"))
-    # Some files name the arm itself as the group of its end effector.
-    arms = {node.get("group") for node in end_effectors if _moves_its_carrier(description.root, node, joints)}
-    return Semantics(
-        root,
-        chains,
-        joints,
-        tuple(dict.fromkeys(node.get("group") for node in end_effectors if node.get("group") not in arms)),
-        frozenset(arms | {node.get("parent_group") for node in end_effectors if node.get("parent_group")}),
-        "" if virtual_joint is None else virtual_joint.get("parent_frame"),
-    )
+
+
+def _passive_joints(root: Element) -> set[str]:
+    """Returns the joints of an SRDF that nothing drives."""
+    return {str(joint.get("name")) for joint in root.iterchildren("passive_joint")}
 
 
 def semantic_files(
@@ -111,17 +125,17 @@ def semantic_files(
     """Yields (path in the package, bytes) of MoveIt's settings for a robot of this name. `trajectories`: name
     of each controller that follows trajectories → its joints."""
     yield f"config/{name}.srdf", to_bytes(semantics.root)
-    joint_counts = [
-        count for count in semantics.chains.values() if count is not None and count >= MIN_POSITION_JOINTS
-    ]
+    any_solved = any(
+        count is not None and count >= MIN_POSITION_JOINTS for count in semantics.chains.values()
+    )
     yield (
         "config/kinematics.yaml",
         fill_template(
             "kinematics.yaml",
             chains=semantics.chains,
-            solved=joint_counts,
-            least=MIN_POSITION_JOINTS,
-            enough=MIN_POSE_JOINTS,
+            any_solved=any_solved,
+            position_joints=MIN_POSITION_JOINTS,
+            pose_joints=MIN_POSE_JOINTS,
         ),
     )
     limits = {
@@ -170,20 +184,20 @@ def _joints_of_group(urdf: Element, group: Element) -> tuple[str, ...]:
     return tuple(dict.fromkeys(str(joint.get("name")) for joint in joints))
 
 
-def _driven_joint_count(joints: Sequence[Element], passive: set[str]) -> int | None:
+def _driven_joint_count(joints: Sequence[Element], passive_joints: set[str]) -> int | None:
     """Returns the number of the driven joints of a chain, which are those that move and follow no other
     joint; None if one of these is passive."""
     moving = [joint for joint in joints if joint.get("type") != "fixed" and joint.find("mimic") is None]
-    return None if any(joint.get("name") in passive for joint in moving) else len(moving)
+    return None if any(joint.get("name") in passive_joints for joint in moving) else len(moving)
 
 
 def _speeds(semantics: Semantics, description: Description) -> dict[str, float]:
     """Returns the speed limit [rad/s or m/s] of each joint that MoveIt moves."""
-    passive = {str(joint.get("name")) for joint in semantics.root.iterchildren("passive_joint")}
+    passive_joints = _passive_joints(semantics.root)
     return {
         str(joint.get("name")): float(joint.find("limit").get("velocity"))
         for joint in description.moving
-        if joint.find("mimic") is None and joint.get("name") not in passive
+        if joint.find("mimic") is None and joint.get("name") not in passive_joints
     }
 
 

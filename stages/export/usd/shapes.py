@@ -23,7 +23,8 @@ _PRIM_TYPES = {"box": "Cube", "sphere": "Sphere", "cylinder": "Cylinder", "capsu
 """Kind of primitive → type of prim."""
 
 _POINT_DIGITS = 6
-"""Decimal places [m] to which two surfaces must agree to count as the same."""
+"""Decimal places to which the points [m] of two surfaces, and the numbers of their poses, must agree to count
+as the same."""
 
 _NORMAL_DIGITS = 5
 """Decimal places of normals, above the noise of points in single precision."""
@@ -43,7 +44,8 @@ class UsdMeshes:
     """File → path of the prim that holds its mesh as the child `mesh`."""
 
     surfaces: Mapping[str, str]
-    """File → digest of its triangles, which is the same for meshes that agree to a micrometre."""
+    """File → digest of its triangles, which is the same for meshes whose points are equal after rounding to a
+    micrometre."""
 
 
 def meshes_layer(geometry: Geometry, path: str) -> tuple[Layer, UsdMeshes]:
@@ -122,8 +124,8 @@ def write_materials(scope: Prim, geometry: Geometry) -> UsdMaterials:
     used_names: set[str] = set(names.values())
     identifier_of = identifiers(names.values())
     visual = {
-        colour_and_image: _write_material(scope.child(identifier_of[name], "Material"), colour_and_image)
-        for colour_and_image, name in names.items()
+        look: _write_material(scope.child(identifier_of[name], "Material"), look)
+        for look, name in names.items()
     }
     physical = {}
     for friction in _frictions(geometry):
@@ -144,23 +146,23 @@ def _frictions(geometry: Geometry) -> Iterator[Friction]:
     yield from dict.fromkeys(friction for friction in frictions if friction is not None)
 
 
-def _write_material(prim: Prim, paint_of_material: Paint) -> str:
+def _write_material(prim: Prim, look: Paint) -> str:
     """Writes the surface of a visual material, with the image if it has one. Returns the path of the
     material."""
-    colour, texture = paint_of_material
+    colour, image_file = look
     surface = prim.child("surface", "Shader")
     surface.token("info:id", "UsdPreviewSurface")
-    if texture:
+    if image_file:
         image = prim.child("image", "Shader")
         image.token("info:id", "UsdUVTexture")
-        image.set("inputs:file", "asset", f"assets/{texture}")
+        image.set("inputs:file", "asset", f"assets/{image_file}")
         image.set("inputs:sourceColorSpace", "token", "sRGB")
         image.floats("inputs:scale", "float4", (*to_linear_rgb(colour), 1.0))
-        places = prim.child("places", "Shader")
-        places.token("info:id", "UsdPrimvarReader_float2")
-        places.set("inputs:varname", "string", "st")
-        places.set("outputs:result", "float2", None)
-        image.connect("inputs:st", "float2", f"{places.path}.outputs:result")
+        coordinates = prim.child("places", "Shader")
+        coordinates.token("info:id", "UsdPrimvarReader_float2")
+        coordinates.set("inputs:varname", "string", "st")
+        coordinates.set("outputs:result", "float2", None)
+        image.connect("inputs:st", "float2", f"{coordinates.path}.outputs:result")
         image.set("outputs:rgb", "float3", None)
         surface.connect("inputs:diffuseColor", "color3f", f"{image.path}.outputs:rgb")
     else:
@@ -182,8 +184,8 @@ def write_visuals(
 ) -> None:
     """Writes the visual shapes of a link below `scope`, each as an instance of its mesh or as a primitive.
     Only a mesh that the link itself already shows there is made invisible: other links move away."""
-    for count, shape in enumerate(shapes, 1):
-        name = f"visual_{count}"
+    for number, shape in enumerate(shapes, 1):
+        name = f"visual_{number}"
         if shape.primitive is None:
             assert shape.file is not None
             prim = scope.child(name, "Xform")
@@ -192,15 +194,15 @@ def write_visuals(
                 prim.hide()
         else:
             prim = _write_primitive(scope, name, shape.primitive)
-        colour_and_image = paint(shape)
-        if colour_and_image is not None:
+        look = paint(shape)
+        if look is not None:
             prim.array(
                 "primvars:displayColor",
                 "color3f[]",
-                np.array([to_linear_rgb(colour_and_image[0])], dtype=np.float32),
+                np.array([to_linear_rgb(look[0])], dtype=np.float32),
             )
             prim.apply("MaterialBindingAPI")
-            prim.point_to("material:binding", robot_materials.visual[colour_and_image])
+            prim.point_to("material:binding", robot_materials.visual[look])
 
 
 def write_colliders(
@@ -213,10 +215,11 @@ def write_colliders(
 ) -> list[Prim]:
     """Writes the colliders of a link below `scope`, which are convex: primitives, and hulls of meshes.
     Returns their prims. All visuals of the robot come first: a collider is invisible if its mesh is already
-    shown there, which changes no contact."""
+    shown there, also by another link, which may move away. That changes no contact, and colliders are guides,
+    which viewers show only on demand."""
     colliders = []
-    for count, shape in enumerate(shapes, 1):
-        name = f"collision_{count}"
+    for number, shape in enumerate(shapes, 1):
+        name = f"collision_{number}"
         if shape.primitive is None:
             assert shape.file is not None
             collider = scope.child(

@@ -19,8 +19,10 @@ Names = Mapping[str, Collection[str]]
 
 
 class RobotJsonError(Exception):
-    """The error that robot.json lacks required content, or has invalid content. Its message names the
-    field."""
+    """The error that robot.json lacks required content, or has invalid content. Its message names the field.
+
+    `place`: the path of the field, "" for the value that is read itself; None if the message names the field.
+    """
 
     def __init__(self, message: str, place: str | None = None) -> None:
         super().__init__(message if place is None else f"{place or 'the file'}: {message}")
@@ -81,18 +83,18 @@ class JsonRecord(Generic[T]):
 
     def to_model(self, **more: Any) -> T:
         """Returns the value of the record; `more`: attributes that no field has."""
-        kind, names = _class_and_names(cast(Any, type(self)))
+        model_class, names = _class_and_names(cast(Any, type(self)))
         attributes = {name: modelled(getattr(self, name)) for name in names if name not in more}
-        value: T = kind(**attributes, **more)
+        value: T = model_class(**attributes, **more)
         return value
 
 
 @cache
 def _class_and_names(record: Any) -> tuple[Any, tuple[str, ...]]:
     """Returns the class of the model behind a record, and the names that both have."""
-    kind = get_args(record.__orig_bases__[0])[0]
+    model_class = get_args(record.__orig_bases__[0])[0]
     names = {entry.name for entry in entries_of(record)}
-    return kind, tuple(field.name for field in fields(kind) if field.name in names)
+    return model_class, tuple(field.name for field in fields(model_class) if field.name in names)
 
 
 class PairRecord(JsonRecord[tuple[Any, ...]]):
@@ -119,9 +121,9 @@ def write(record: Any) -> dict[str, Any]:
     return table
 
 
-def read(kind: type[T], data: Any, names: Names) -> T:
+def read(record_class: type[T], data: Any, names: Names) -> T:
     """Returns the record in plain data. Raises RobotJsonError for invalid data."""
-    record: T = form_of(cast(Any, kind)).read(data, names)
+    record: T = form_of(cast(Any, record_class)).read(data, names)
     return record
 
 
@@ -143,25 +145,25 @@ class FieldEntry:
 
 
 @cache
-def entries_of(kind: Any) -> tuple[FieldEntry, ...]:
+def entries_of(record_class: Any) -> tuple[FieldEntry, ...]:
     """Returns the fields of a record. A class of the model may be used as a record itself; then every field
     is written, even with its default."""
-    hints = typing.get_type_hints(kind, include_extras=True)
+    hints = typing.get_type_hints(record_class, include_extras=True)
     entries = []
-    for field in fields(kind):
+    for field in fields(record_class):
         hint = hints[field.name]
         marks = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
         key = next((mark.name for mark in marks if isinstance(mark, Key)), field.name)
-        default = field.default if issubclass(kind, JsonRecord) else MISSING
+        default = field.default if issubclass(record_class, JsonRecord) else MISSING
         flags = INLINE in marks, UNREAD in marks
         entries.append(FieldEntry(field.name, key, hint, form_of(hint), default, *flags))
     return tuple(entries)
 
 
 @cache
-def form_of(kind: Any) -> Form:
+def form_of(annotation: Any) -> Form:
     """Returns the form of an annotated type's values in JSON."""
-    origin, inside = get_origin(kind), get_args(kind)
+    origin, inside = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return next((mark for mark in reversed(inside) if isinstance(mark, Form)), None) or form_of(inside[0])
     if origin is Literal:
@@ -172,7 +174,7 @@ def form_of(kind: Any) -> Form:
         return _list_form(form_of(inside[0]), None if inside[-1] is ... else len(inside))
     if origin is not None and issubclass(origin, Mapping):
         return table_of(form_of(inside[1]))
-    return _PLAIN_FORMS.get(kind) or _record_form(kind)
+    return _PLAIN_FORMS.get(annotation) or _record_form(annotation)
 
 
 def _plain_form(kinds: Any, expected: str, schema: str) -> Form:
@@ -218,6 +220,8 @@ def refers_to(kind: str) -> Form:
 
 
 def _choice_form(*words: str) -> Form:
+    """Returns the form of a text that must be one of these words."""
+
     def read(data: Any, names: Names) -> str:
         text: str = _PLAIN_FORMS[str].read(data, names)
         if text not in words:
@@ -228,6 +232,7 @@ def _choice_form(*words: str) -> Form:
 
 
 def _nullable_form(form: Form) -> Form:
+    """Returns the form of values that are None or have the given form."""
     return Form(
         lambda value: None if value is None else form.write(value),
         lambda data, names: None if data is None else form.read(data, names),
@@ -241,14 +246,15 @@ def _list_form(form: Form, count: int | None) -> Form:
     def read(data: Any, names: Names) -> tuple[Any, ...]:
         if data is None and count is None:
             return ()
-        items, values = _LIST.read(data, names), list[Any]()
+        items = _LIST.read(data, names)
         if count not in (None, len(items)):
             raise refusal(f"{count} values", data)
-        try:
-            for item in items:
+        values = []
+        for index, item in enumerate(items):
+            try:
                 values.append(form.read(item, names))
-        except RobotJsonError as error:
-            raise error.within(f"[{len(values)}]") from None
+            except RobotJsonError as error:
+                raise error.within(f"[{index}]") from None
         return tuple(values)
 
     length = {} if count is None else {"minItems": count, "maxItems": count}
@@ -272,11 +278,15 @@ def table_of(form: Form, make: Callable[[dict[str, Any]], Any] = dict) -> Form:
     return Form(lambda value: {key: form.write(item) for key, item in dict(value).items()}, read, schema)
 
 
-def _record_form(kind: type) -> Form:
+def _record_form(record_class: type) -> Form:
+    """Returns the form of a record, whose schema is in `$defs`. A value of the model is converted to its
+    record before it is written."""
+
     def write(value: Any) -> dict[str, Any]:
-        record = value if isinstance(value, kind) else kind.from_model(value)  # type: ignore[attr-defined]
+        is_record = isinstance(value, record_class)
+        record = value if is_record else record_class.from_model(value)  # type: ignore[attr-defined]
         table: dict[str, Any] = {}
-        for entry in entries_of(kind):
+        for entry in entries_of(record_class):
             value_of_field = getattr(record, entry.name)
             if entry.inline:
                 table |= entry.form.write(value_of_field)
@@ -287,7 +297,7 @@ def _record_form(kind: type) -> Form:
     def read(data: Any, names: Names) -> Any:
         _TABLE.read(data, names)
         values: dict[str, Any] = {}
-        for entry in entries_of(kind):
+        for entry in entries_of(record_class):
             if entry.unread:
                 values[entry.name] = None
             elif entry.inline:
@@ -297,6 +307,6 @@ def _record_form(kind: type) -> Form:
                     values[entry.name] = entry.form.read(data.get(entry.key), names)
                 except RobotJsonError as error:
                     raise error.within(entry.key) from None
-        return kind(**values)
+        return record_class(**values)
 
-    return Form(write, read, {"$ref": f"#/$defs/{kind.__name__}"})
+    return Form(write, read, {"$ref": f"#/$defs/{record_class.__name__}"})

@@ -14,7 +14,8 @@ from linkwright.stages.robot.model.robot import Array, Configuration, Dof, Joint
 from linkwright.stages.robot.motion.kinematics import chain, link_poses
 from linkwright.stages.robot.motion.start_pose import starting_point
 from linkwright.stages.validate.compiled import CompiledModel
-from linkwright.stages.validate.findings import link, named
+from linkwright.stages.validate.findings import link as link_title
+from linkwright.stages.validate.findings import named
 from linkwright.stages.validate.model.coordinates import BY_EQUALITY, joints_of, root_pose, site_pose
 from linkwright.stages.validate.model.equalities import carriers, ends, equality_index, sites
 from linkwright.stages.validate.model.mass_properties import MassProperties, merge
@@ -40,13 +41,13 @@ ATTRIBUTE_NAMES = AttributeNames(
     zero="ref",
 )
 
-DEFAULTS = (
+LIMIT_DEFAULTS = (
     ("margin", "jnt_margin", (0.0,)),
     ("solreflimit", "jnt_solref", (0.02, 1.0)),
     ("solimplimit", "jnt_solimp", (0.9, 0.95, 0.001, 0.5, 2.0)),
 )
-"""Attributes of a joint that only an MJCF source may set, their fields in a model, and MuJoCo's defaults:
-they make limits soft or active early."""
+"""(Attribute of a joint that only an MJCF source may set, its field in a model, MuJoCo's default). These
+attributes make limits soft or active early."""
 
 POLYNOMIALS = (("stiffness", "jnt_stiffnesspoly", "jnt"), ("damping", "dof_dampingpoly", "dof"))
 """Attribute, the field of the polynomial's higher terms, and what indexes this field: older MuJoCo versions
@@ -63,8 +64,13 @@ class _Row(NamedTuple):
     """The attribute of MJCF that sets it."""
 
     quantity: str
+    """The name of the quantity in findings."""
+
     actual: Any
+    """A number or an array, in MJCF's unit of the attribute."""
+
     expected: Any
+    """A number or an array of the same size and unit."""
 
 
 def joint_type_name(kind: Any) -> str:
@@ -87,7 +93,7 @@ class ReadMjcf(ReadCompiled):
         return named(tags.get(kind, "joint"), name)
 
     def placing_element(self, joint: Joint) -> str:
-        return link(joint.child, urdf=False)
+        return link_title(joint.child, urdf=False)
 
     def zero(self, dof: Dof) -> tuple[float, float] | None:
         start = self._start[dof.name]
@@ -139,6 +145,7 @@ class ReadMjcf(ReadCompiled):
             numbers["actuatorfrcrange"] = force_range
             effort = math.inf if dof.dynamics.effort is None else dof.dynamics.effort
             source_range = _source_numbers(source_attributes, "actuatorfrcrange")
+            # The attribute is only kept as "false".
             is_open = "actuatorfrclimited" in source_attributes
             expected["actuatorfrcrange"] = (
                 (-math.inf, math.inf) if is_open else source_range or (-effort, effort)
@@ -156,7 +163,7 @@ class ReadMjcf(ReadCompiled):
 
     def _source_rows(self, index: int, source_attributes: Mapping[str, str]) -> Iterator[_Row]:
         """Yields the attributes that only an MJCF source can set."""
-        for name, field, default in DEFAULTS:
+        for name, field, default in LIMIT_DEFAULTS:
             source_values = _source_numbers(source_attributes, name)
             yield _Row(name, name, getattr(self.model, field)[index], source_values or default)
         for name, field, per in POLYNOMIALS:
@@ -186,14 +193,15 @@ class ReadMjcf(ReadCompiled):
                 yield FoundPose(named("site", model.site(site).name), ATTRIBUTE_NAMES.place, pose, expected)
 
     def mimics(self) -> Iterator[FoundMimic]:
-        number = self.model.neq - self.compiled.surplus.equalities
-        return joint_mimics(self.model, number, all_active=self.compiled.sets("active"))
+        equality_count = self.model.neq - self.compiled.surplus.equalities
+        return joint_mimics(self.model, equality_count, all_active=self.compiled.sets("active"))
 
 
 def _frames(
     model: Any, loop: Loop, poses: Mapping[str, Array], second_from_first: Array
 ) -> Iterator[tuple[int, Array]]:
-    """Yields the body and the pose (root_from_frame) of each of the two frames of a loop."""
+    """Yields the body and the pose (root_from_frame) of each of the two frames of a loop.
+    `second_from_first` (4, 4): the motion of the loop's dofs."""
     first = poses[loop.link_a] @ loop.a_from_frame
     second = poses[loop.link_b] @ loop.b_from_frame
     a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
@@ -207,10 +215,11 @@ def _frames(
         yield from ((b, second), (carrier, first @ inverse(second_from_first)))
 
 
-def joint_mimics(model: Any, number: int, *, all_active: bool) -> Iterator[FoundMimic]:
-    """Yields the equalities of two joints among the first `number` equalities; the multiplier of an equality
-    of higher order is NaN. `all_active`: whether inactive equalities count as active."""
-    for equality in np.flatnonzero(model.eq_type[:number] == mujoco.mjtEq.mjEQ_JOINT):
+def joint_mimics(model: Any, equality_count: int, *, all_active: bool) -> Iterator[FoundMimic]:
+    """Yields the equalities of two joints among the first `equality_count` equalities. The multiplier of an
+    equality of higher order is NaN, and a missing second joint has the name "". `all_active`: whether
+    inactive equalities count as active."""
+    for equality in np.flatnonzero(model.eq_type[:equality_count] == mujoco.mjtEq.mjEQ_JOINT):
         joints = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
         data = model.eq_data[equality][:5]
         zeros = [float(model.qpos0[model.jnt_qposadr[joint]]) if joint >= 0 else 0.0 for joint in joints]
