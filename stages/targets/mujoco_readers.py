@@ -1,4 +1,5 @@
-"""Lists what MuJoCo, MJX and MuJoCo Warp read of our files: their rows of the table of readers."""
+"""Lists what MuJoCo, MJX and MuJoCo Warp do not read of our files, or treat in their own way: their rows of
+the table of readers."""
 
 from linkwright.stages.targets.row import ReaderRow, measured_rows
 
@@ -17,6 +18,12 @@ SLOWER_AT_LIMIT = (
     "slower than in MuJoCo 4.0 while at the limit of their force: implicitfast keeps their damping"
 )
 """What other versions do with servos at the limit of their force."""
+
+NEWTON_FOR_PGS = "refuses the model: a build for it has Newton, which looks for the same forces"
+"""What a build has in place of the solver PGS."""
+
+LEFT_OUT_FLAG = "refuses the model: a build for it leaves it out, which moves nothing"
+"""What a build does with flags that only compute more."""
 
 MUJOCO_READERS: tuple[ReaderRow, ...] = (
     *measured_rows(
@@ -93,11 +100,11 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         ),
         ("height fields", "refused", "refuses the model where one may meet a cylinder or an ellipsoid"),
         ("signed distance fields", "refused", "refuses the model where one may meet another shape"),
-        ("margins of meshes", "refused", "refuses the model: `geoms` gives them none"),
+        ("margins of meshes", "refused", "refuses the model: set `margin: 0` for them in `geoms`"),
         (
             "frictionless contacts in elliptic cones",
             "refused",
-            "refuses the model: `scene.option.cone: pyramidal`, or give the geoms friction",
+            "refuses the model: set `scene.option.cone: pyramidal`, or give the geoms friction",
         ),
         (
             "motors by voltage",
@@ -112,30 +119,35 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         ),
         ("user actuators", "refused", "refuses the model"),
         ("adhesion and slider-cranks", "refused", "refuses the model"),
-        ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
+        ("orientation servos", "refused", "refuses the model, since it has no servos of ball joints"),
         ("delays of actuators", "refused", "dropped silently: controls act at once"),
-        ("implicit integrator", "refused", "refuses the model: `scene.option.integrator: implicitfast`"),
-        ("fluid with implicitfast", "refused", "refuses the model: `scene.option.integrator: Euler`"),
+        ("implicit integrator", "refused", "refuses the model: set `scene.option.integrator: implicitfast`"),
+        ("fluid with implicitfast", "refused", "refuses the model: set `scene.option.integrator: Euler`"),
         (
             "solver PGS",
             "replaced",
-            "refuses the model: a build for it has Newton, which looks for the same forces",
+            NEWTON_FOR_PGS,
         ),
-        ("flag energy", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
-        ("flag fwdinv", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
-        ("flags of the solver", "refused", "refuses the model: `override`, `diagexact`, `speculative`"),
+        ("flag energy", "replaced", LEFT_OUT_FLAG),
+        ("flag fwdinv", "replaced", LEFT_OUT_FLAG),
+        (
+            "flags of the solver",
+            "refused",
+            "refuses the model if `override`, `diagexact` or `speculative` is enabled: disable it",
+        ),
         (
             "contact sensors of sites, bodies and net forces",
             "refused",
-            "refuses the model: it has those of pairs of geoms",
+            "refuses the model, since it only has those of pairs of geoms",
         ),
         ("sensors of distances, limits and energies", "refused", "refuses the model"),
         ("noslip iterations", "stated", "dropped silently"),
         (
             "many pairs of convex shapes",
             "stated",
-            "JAX compiles each by itself: seconds for a pair, and for hundreds more than 16 GB; "
-            "`contact.self: none` leaves those with the surroundings, and primitives need none",
+            "JAX compiles each pair separately, which takes seconds for a pair and more than 16 GB for "
+            "hundreds. With `contact.self: none` only the pairs with the surroundings remain; pairs of "
+            "primitives need no such compilation",
         ),
         (
             "saturated servos",
@@ -149,7 +161,7 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         "3.17.0",
         "mjcf",
         "hulls of more than 32 vertices",
-        "takes them slowly, and of a face with more than 20 corners leaves some out: a build for it has none",
+        "is slow with them, and leaves out corners of faces that have more than 20: a build for it has none",
         "replaced",
         source=_MJX_MESH_SOURCE,
     ),
@@ -166,29 +178,37 @@ MUJOCO_READERS: tuple[ReaderRow, ...] = (
         (
             "solver PGS",
             "replaced",
-            "refuses the model: a build for it has Newton, which looks for the same forces",
+            NEWTON_FOR_PGS,
         ),
-        ("flag fwdinv", "replaced", "refuses the model: a build for it leaves it out, which moves nothing"),
-        ("flags of the solver", "refused", "refuses the model: `override`, `diagexact`, `speculative`"),
+        ("flag fwdinv", "replaced", LEFT_OUT_FLAG),
+        (
+            "flags of the solver",
+            "refused",
+            "refuses the model if `override`, `diagexact` or `speculative` is enabled: disable it",
+        ),
         ("flag ipc", "refused", "refuses the model: disable it"),
         ("disabled midphase or autoreset", "refused", "refuses the model: leave them enabled"),
-        ("sleep policies", "refused", "refuses the model: `never`, `allowed` and `init` of a body"),
+        (
+            "sleep policies",
+            "refused",
+            "refuses the model with the policies `never`, `allowed` or `init` of a body",
+        ),
         (
             "sleep of another solver than Newton",
             "refused",
-            "refuses the model: `scene.option.solver: Newton`, or the flag `sleep` disabled",
+            "refuses the model: set `scene.option.solver: Newton`, or disable the flag `sleep`",
         ),
         (
             "noslip iterations of the discrete integrator",
             "refused",
-            "refuses the model: `scene.option.noslip_iterations: 0`, or another integrator",
+            "refuses the model: set `scene.option.noslip_iterations: 0`, or choose another integrator",
         ),
         (
             "dense Jacobian of more than 60 speeds",
             "refused",
-            "refuses the model: `scene.option.jacobian: auto` or `sparse`",
+            "refuses the model: set `scene.option.jacobian: auto` or `sparse`",
         ),
-        ("orientation servos", "refused", "refuses the model: it has no servos of ball joints"),
+        ("orientation servos", "refused", "refuses the model, since it has no servos of ball joints"),
         ("rigid, quadratic and self-colliding flexes", "refused", "refuses the model"),
     ),
     ReaderRow(

@@ -34,13 +34,14 @@ def targets_replacing(targets: Collection[str], thing: Thing) -> list[str]:
 
 def options_of(targets: Collection[str], options: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the attributes of `<option>` that the targets accept."""
-    pgs = options.get("solver") == "PGS" and targets_replacing(targets, "solver PGS")
-    return {**options, "solver": "Newton"} if pgs else dict(options)
+    replaces_pgs = options.get("solver") == "PGS" and bool(targets_replacing(targets, "solver PGS"))
+    return {**options, "solver": "Newton"} if replaces_pgs else dict(options)
 
 
 def flags_of(targets: Collection[str], flags: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the attributes of `<flag>` that the targets accept."""
     omitted = [name for name, thing in PASSIVE_FLAGS.items() if targets_replacing(targets, thing)]
+    # A target that refuses a flag accepts it disabled.
     return {name: value for name, value in flags.items() if name not in omitted or value == "disable"}
 
 
@@ -52,19 +53,17 @@ def actuation_of(targets: Collection[str], actuation: Actuation) -> Actuation:
 
 
 def _replacement(targets: Collection[str], actuator: Actuator) -> Actuator:
+    """Returns the actuator, or if a target does not accept it, another with the same force for the same
+    control. There is none for a pid with `ki` or `slewmax`, and for a motor with a state or a limit."""
+    thing = REPLACEABLE_ACTUATORS.get(actuator.type)
+    if thing is None or not targets_replacing(targets, thing):
+        return actuator
     terms = dict(actuator.terms)
-    if (
-        actuator.type == "pid"
-        and not {"ki", "slewmax"} & set(terms)
-        and targets_replacing(targets, "pid servos")
-    ):
+    if actuator.type == "pid" and not {"ki", "slewmax"} & set(terms):
         return replace(actuator, type="position", terms=_without(terms, "input", "imax"))
-    if (
-        actuator.type == "dcmotor"
-        and set(terms) <= _STATELESS_PARAMETERS
-        and targets_replacing(targets, "motors by voltage")
-    ):
+    if actuator.type == "dcmotor" and set(terms) <= _STATELESS_PARAMETERS:
         gain = torque_per_volt(actuator)
+        # With all digits, since the force must be the same.
         affine = {
             "gainprm": f"{gain:.17g}",
             "biastype": "affine",

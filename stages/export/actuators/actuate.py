@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from linkwright.stages.export.configuration.actuator_section import ActuatorSection
 
 NO_MOTORS: Motors = {}
-EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}
+NO_OPTIONAL_GLOBS: Mapping[Any, Sequence[str]] = {}
+"""Key → its globs that may match nothing."""
 
 
 def actuate(
@@ -44,13 +45,14 @@ def actuate(
     gravity: Sequence[float] = GRAVITY,
     motors: Motors = NO_MOTORS,
     supports: GroundSupports = no_supports,
-    optional: Mapping[Any, Sequence[str]] = EVERY_GLOB_MATCHES,
+    optional: Mapping[Any, Sequence[str]] = NO_OPTIONAL_GLOBS,
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """Returns the actuation of the robot, and diagnostics. Raises ExportError with all problems of the key.
 
-    `timestep` [s]: the time step of the simulation; `world_from_root` (4, 4): the pose of the robot in the
-    scene; `gravity` (3,) [m/s²]: in the world; `motors`: the library that entries choose from; `supports`:
-    the forces of the ground on a free robot; `optional`: the key of that name.
+    `entries`: glob of dofs → their actuator, where later entries override earlier ones; `timestep` [s]: the
+    time step of the simulation; `world_from_root` (4, 4): the pose of the robot in the scene;
+    `gravity` (3,) [m/s²]: in the world; `motors`: the library that entries choose from; `supports`:
+    the forces of the ground on a free robot; `optional`: key → its globs that may match nothing.
     """
     log = Diagnostics(optional=optional)
     choices = choose_actuators(robot, entries, motors, log)
@@ -65,25 +67,27 @@ def actuate(
     values = postures(robot)
     couplings = Couplings(robot, values)
     order = driven_order(robot, choices, [actuator.dof for actuator in kept])
-    chosen = couplings.independent(order)
-    # A named dof is driven even if other driven dofs move it; `chosen` counts each motion only once.
+    independent = couplings.independent(order)
+    # A named dof is driven even if other driven dofs move it; `independent` has each motion only once.
     named = [dof for dof in order if dof not in choices or choices[dof].named]
-    driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
+    driven = [dof.name for dof in robot.dofs if dof.name in {*independent, *named}]
     supply, overridden = motor_values([dof for dof in robot.dofs if dof.name in driven], choices, motors, log)
+    # The dofs have the inertia, damping and limits of their motors from here on.
     robot = with_motors(robot, supply)
+    # Against gravity, in the root link's axes.
     up = -world_from_root[:3, :3].T @ gravity
-    drivers = [dof for dof in driven if dof in chosen]
-    rates = couplings.moved_by(drivers)
+    independent_driven = [dof for dof in driven if dof in independent]
+    rates = couplings.moved_by(independent_driven)
     shares = compensated_links(robot, choices, rates)
     bounds = bounds_of(robot, values, up, shares)
-    shared_loads = share_loads(robot, loads(robot, values, couplings, drivers, up, bounds, shares))
+    shared_loads = share_loads(robot, loads(robot, values, couplings, independent_driven, up, bounds, shares))
     lightened = without_compensated_weight(robot, shares)
-    holds = keyframe_forces(lightened, drivers, bounds, up, supports)
+    holds = keyframe_forces(lightened, independent_driven, bounds, up, supports)
     maker = ActuatorMaker(robot, timestep, shared_loads, holds, couplings.coupled, motors)
     actuators = maker.actuators([dof for dof in robot.dofs if dof.name in driven], choices, kept)
     actuation = Actuation(
         # The controls of the source keep their order.
-        actuators=tuple(sorted(actuators, key=_position_in(robot.actuators))),
+        actuators=tuple(sorted(actuators, key=_in_order_of(robot.actuators))),
         armatures=tuple(maker.armatures),
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in choices and _share(choices[dof])),
@@ -98,12 +102,14 @@ def actuate(
     return actuation, tuple(log.notes)
 
 
-def _position_in(actuators: Sequence[Actuator]) -> Callable[[Actuator], int]:
+def _in_order_of(actuators: Sequence[Actuator]) -> Callable[[Actuator], int]:
+    """Returns a sort key: an actuator's position among these actuators by its name, others after them."""
     positions = {actuator.name: number for number, actuator in enumerate(actuators)}
     return lambda actuator: positions.get(actuator.name, len(positions))
 
 
 def _share(choice: ChosenActuator) -> float:
+    """Returns the share [-] of the weight that an actuator compensates."""
     return float(choice.parameters.get("gravcomp") or 0.0)
 
 
@@ -119,6 +125,7 @@ def compensated_links(
         if not share:
             continue
         moved_links = {owner[dof] for dof, speeds in moving_dofs.items() if dof in owner and np.any(speeds)}
+        # Parents come before their children.
         for joint in robot.joints:
             if joint.child in moved_links or joint.parent in moved_links:
                 moved_links.add(joint.child)

@@ -195,7 +195,7 @@ class ActuatorSection(Section):
 
     @model_validator(mode="after")
     def _check_fields(self) -> Self:
-        # The type may come from another entry, or from the motor: `choices` checks the merged entry.
+        # The type may come from another entry, or from the motor: `choices` checks the merged fields.
         if self.type is None:
             return self
         allowed = fields_of(self.type)

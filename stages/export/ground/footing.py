@@ -24,10 +24,12 @@ DIRECTIONS = 16
 all its points that touch the ground."""
 
 BALANCE_TOLERANCE = 1e-6
-"""Tolerance of a balance, as a share of the weight times the size of the footing."""
+"""Tolerance of a balance, as a share of the weight; for moments, of the weight times the size of the
+footing."""
 
-_BALANCE_WEIGHT = 1e3
-"""Weight of the balance relative to the sum of squares, which chooses among the ways to share a weight."""
+_BALANCE_PRIORITY = 1e3
+"""Factor of the balance's rows relative to the rows of the sum of squares, which chooses among the ways to
+share a weight."""
 
 
 def ground_supports(
@@ -45,13 +47,11 @@ def ground_supports(
     if ground.kind == "none" or not np.any(up):
         return ()
     contacts = list(ground_contacts(robot, geometry, world_from_root, ground, q))
-    if not contacts:
-        return ()
-    if not any(link.inertial.mass for link in robot.links):
+    if not contacts or not any(link.inertial.mass for link in robot.links):
         return ()
     links, points = zip(*contacts, strict=True)
-    mass, center = mass_and_center(robot, q)
-    shares = weight_shares(np.array(points), center, up)
+    mass, centre = mass_and_center(robot, q)
+    shares = weight_shares(np.array(points), centre, up)
     return tuple(
         GroundSupport(link, point, float(share * mass))
         for link, point, share in zip(links, points, shares, strict=True)
@@ -59,20 +59,21 @@ def ground_supports(
     )
 
 
-def weight_shares(points: Array, center: Array, up: Array) -> Array:
-    """Returns the share (n,) of a weight at `center` (3,) that each of the points (n, 3) carries, with forces
-    along `up` (3,); all zero if no forces that only push balance the weight.
+def weight_shares(points: Array, centre: Array, up: Array) -> Array:
+    """Returns the share (n,) of a weight at `centre` (3,) that each of the points (n, 3) carries, with forces
+    along `up` (3,); all zero if the weight cannot be balanced by pushing alone.
 
     The shares have the least sum of squares under the balance of forces and moments. Non-negative least
-    squares (Lawson and Hanson, "Solving Least Squares Problems", chapter 23), with the balance as rows of
-    weight `_BALANCE_WEIGHT`, choose the points; the exact shares of these points follow by the pseudoinverse.
+    squares (Lawson and Hanson, "Solving Least Squares Problems", chapter 23), with the balance as rows with
+    the factor `_BALANCE_PRIORITY`, choose the points; the exact shares of these points follow by the
+    pseudoinverse.
     """
-    in_plane = (points - center) @ _plane_axes(up).T
+    in_plane = (points - centre) @ _plane_axes(up).T
     rows = np.vstack([np.ones(len(in_plane)), in_plane.T / max(float(np.abs(in_plane).max()), 1e-9)])
     balance = np.array([1.0, 0.0, 0.0])
     approximate, _ = scipy.optimize.nnls(
-        np.vstack([_BALANCE_WEIGHT * rows, np.eye(len(in_plane))]),
-        np.concatenate([_BALANCE_WEIGHT * balance, np.zeros(len(in_plane))]),
+        np.vstack([_BALANCE_PRIORITY * rows, np.eye(len(in_plane))]),
+        np.concatenate([_BALANCE_PRIORITY * balance, np.zeros(len(in_plane))]),
     )
     # What is smaller is rounding, which differs between machines.
     used = approximate > 0.1 * BALANCE_TOLERANCE
@@ -84,7 +85,8 @@ def weight_shares(points: Array, center: Array, up: Array) -> Array:
 
 
 def mass_and_center(robot: Robot, q: Configuration) -> tuple[float, Array]:
-    """Returns the robot's mass [kg], and its centre of mass (3,) [m] at `q` in the root link's axes."""
+    """Returns the mass [kg] of a robot that has mass, and its centre of mass (3,) [m] at `q` in the root
+    link's axes."""
     poses = link_poses(robot, q)
     mass = sum(link.inertial.mass for link in robot.links)
     moment = sum(

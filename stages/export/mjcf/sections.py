@@ -1,4 +1,5 @@
-"""Writes the sections of an MJCF that only come from its source, such as tendons and their actuators."""
+"""Writes the sections of an MJCF that only come from its source, such as tendons and their actuators, and
+restores the source's order of actuators and sensors."""
 
 from collections.abc import Iterable, Iterator
 
@@ -8,7 +9,8 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.mjcf_extras import MjcfElement, MjcfExtras, children_of
 
 STATES_OF_DYNAMICS = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
-"""`dyntype` of an actuator → the number of its states, unless the actuator has the attribute `actdim`."""
+"""`dyntype` of an actuator → the number of its states, unless the actuator has the attribute `actdim`, which
+an actuator with `user` always has."""
 
 
 def write_sections(root: Element, sections: Iterable[MjcfElement]) -> None:
@@ -35,6 +37,6 @@ def keyed_actuators_of(sections: Iterable[MjcfElement]) -> Iterator[KeyedActuato
     """Yields the actuators in these sections. Their controls and states are 0 in all keyframes."""
     for actuator in children_of(sections, "actuator"):
         attributes = dict(actuator.attributes)
-        count_by_dynamics = STATES_OF_DYNAMICS.get(attributes.get("dyntype", "none"), 0)
-        state_count = int(attributes.get("actdim", count_by_dynamics))
+        default_count = STATES_OF_DYNAMICS.get(attributes.get("dyntype", "none"), 0)
+        state_count = int(attributes.get("actdim", default_count))
         yield KeyedActuator(actuator.name, 0.0, (0.0,) * state_count)

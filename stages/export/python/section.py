@@ -12,9 +12,12 @@ from linkwright.stages.robot.section import Text, example, invalid
 
 def _check_package(name: str) -> str:
     module = import_name(name)
-    # The names of PEP 508 that also give a valid module name.
+    # Names of PEP 508 in lower case that also give a valid module name.
     if not re.fullmatch("[a-z][a-z0-9]*([._-][a-z0-9]+)*", name) or keyword.iskeyword(module):
-        raise invalid("must be a package name: a lower-case letter, then a-z, 0-9, and single - _ or .")
+        raise invalid(
+            "must be a package name: a lower-case letter first, words of a-z and 0-9 joined by single - _ "
+            "or ., and no keyword of Python"
+        )
     return name
 
 

@@ -1,4 +1,4 @@
-"""Defines the values of an SDF: poses in the model's frame, as in the file."""
+"""Defines the content of an SDF; poses are converted to the model's frame."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class SdfLink:
     """Whether gravity pulls the link."""
 
     forced: bool
-    """Whether forces move the link."""
+    """Whether forces move the link: it is not `kinematic`."""
 
     self_collides: bool
     """Whether the link collides with other links of its model."""
@@ -35,6 +35,8 @@ class SdfMimic:
     """A mimic: value = multiplier · (value of `joint` − reference) + offset."""
 
     joint: str
+    """The joint that drives it."""
+
     multiplier: float
     offset: float
     reference: float
@@ -46,6 +48,8 @@ class ReadJoint:
 
     name: str
     type: str
+    """The type, with SDF's name."""
+
     parent: str
     """A link, or `world`."""
 
@@ -79,7 +83,7 @@ class SdfModel:
 
     name: str
     root: str
-    """The link whose pose is the model's, unless the file says otherwise."""
+    """The canonical link: that of the attribute `canonical_link`, or else the first link."""
 
     links: Mapping[str, SdfLink]
     joints: Mapping[str, ReadJoint]

@@ -63,6 +63,8 @@ class Srdf:
     end_effectors: tuple[SrdfEndEffector, ...]
     virtual_joints: tuple[SrdfVirtualJoint, ...]
     passive: tuple[str, ...]
+    """The joints that nothing drives."""
+
     disabled: tuple[tuple[str, str, str], ...]
     """(link, link, reason); the reason may be ""."""
 
@@ -70,6 +72,8 @@ class Srdf:
     """The links whose collisions with every link are disabled, except the pairs in `enabled`."""
 
     enabled: tuple[tuple[str, str], ...]
+    """(link, link) that may collide although `disabled_links` has one of them."""
+
     left_out: tuple[str, ...]
     """The content that is not read, in words."""
 
@@ -98,8 +102,12 @@ def parse_srdf(data: bytes) -> Srdf:
     if sum(1 for _ in root.iter()) > MAX_ELEMENTS:
         raise Malformed(f"it has more than {MAX_ELEMENTS} elements")
     unread = Counter(tag(node) for node in root if tag(node) not in _READ_TAGS)
-    left_out = [f"<{name}>" + (f" ({number} times)" if number > 1 else "") for name, number in unread.items()]
-    states = [_state(node, left_out) for node in root.iterchildren("group_state")]
+    left_out = [f"<{name}>" + (f" ({count} times)" if count > 1 else "") for name, count in unread.items()]
+    states = []
+    for node in root.iterchildren("group_state"):
+        state, faults = _state(node)
+        states.append(state)
+        left_out += faults
     return Srdf(
         groups=tuple(map(_group, root.iterchildren("group"))),
         states=tuple(states),
@@ -113,39 +121,32 @@ def parse_srdf(data: bytes) -> Srdf:
         ),
         passive=_names(root, "passive_joint"),
         disabled=tuple(
-            (first, second, reason)
-            for first, second, reason in (
-                _texts(node, "link1", "link2", "reason") for node in root.iterchildren("disable_collisions")
-            )
+            (*_pair(node, "link1", "link2"), str(node.get("reason", "")))
+            for node in root.iterchildren("disable_collisions")
         ),
         disabled_links=tuple(
             str(node.get("link", "")) for node in root.iterchildren("disable_default_collisions")
         ),
-        enabled=tuple(
-            (first, second)
-            for first, second in (
-                _texts(node, "link1", "link2") for node in root.iterchildren("enable_collisions")
-            )
-        ),
+        enabled=tuple(_pair(node, "link1", "link2") for node in root.iterchildren("enable_collisions")),
         left_out=tuple(left_out),
     )
 
 
 def _group(node: Element) -> SrdfGroup:
-    chains = [_texts(chain, "base_link", "tip_link") for chain in node.iterchildren("chain")]
     return SrdfGroup(
-        str(node.get("name", "")),
-        _names(node, "joint"),
-        _names(node, "link"),
-        tuple((base, tip) for base, tip in chains),
-        _names(node, "group"),
+        name=str(node.get("name", "")),
+        joints=_names(node, "joint"),
+        links=_names(node, "link"),
+        chains=tuple(_pair(chain, "base_link", "tip_link") for chain in node.iterchildren("chain")),
+        groups=_names(node, "group"),
     )
 
 
-def _state(node: Element, left_out: list[str]) -> SrdfState:
-    """Returns a pose of a group. Values that are not numbers are added to `left_out`."""
-    name, group = _texts(node, "name", "group")
+def _state(node: Element) -> tuple[SrdfState, list[str]]:
+    """Returns a pose of a group, and its values that are not numbers, in words."""
+    name, group = _pair(node, "name", "group")
     values = []
+    left_out = []
     for joint in node.iterchildren("joint"):
         numbers = _numbers(joint.get("value", ""))
         if numbers:
@@ -154,7 +155,7 @@ def _state(node: Element, left_out: list[str]) -> SrdfState:
             left_out.append(
                 f"the value of {joint.get('name', '')} in the state {name}, which is not a number"
             )
-    return SrdfState(name, group, tuple(values))
+    return SrdfState(name, group, tuple(values)), left_out
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -169,6 +170,11 @@ def _numbers(text: str) -> tuple[float, ...]:
 def _names(node: Element, kind: str) -> tuple[str, ...]:
     """Returns the names of the elements of this tag in an element."""
     return tuple(str(inner.get("name", "")) for inner in node.iterchildren(kind))
+
+
+def _pair(node: Element, first_key: str, second_key: str) -> tuple[str, str]:
+    """Returns two attributes of an element, "" for those that are missing."""
+    return str(node.get(first_key, "")), str(node.get(second_key, ""))
 
 
 def _texts(node: Element, *keys: str) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ import math
 from linkwright.stages.robot.model.robot import Configuration, Robot, Value
 
 _TURN_TOLERANCE = 1e-12
-"""Length of a quaternion's vector part up to which a ball is at rest."""
+"""Length of a quaternion's vector part up to which a ball is not turned."""
 
 
 def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
@@ -20,5 +20,5 @@ def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
 
 
 def is_turned(value: Value) -> bool:
-    """Tells whether a ball is not at rest at this value."""
+    """Tells whether a ball is turned at this value."""
     return isinstance(value, tuple) and math.hypot(*value[1:]) > _TURN_TOLERANCE

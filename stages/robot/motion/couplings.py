@@ -23,6 +23,9 @@ SINGULAR_RATIO = 10.0
 """A pose is near a singular pose if its least singular value, times this ratio, is below that of another
 pose."""
 
+_ROWS_PER_LOOP = 6
+"""Rows of the Jacobian for a loop: three of position, three of orientation."""
+
 Rates = Mapping[str, Array]
 """Dof → its speeds (n, 1), for a ball (n, 3), at a unit speed of a driven dof."""
 
@@ -32,11 +35,13 @@ class Couplings:
 
     def __init__(self, robot: Robot, values: Values) -> None:
         """`values`: configurations with closed loops."""
-        shares = {relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations}
         self._count = count_of(values)
-        self._shares = shares
+        self._drivers = {
+            relation.follower: (relation.driver, relation.multiplier) for relation in robot.relations
+        }
+        """Follower → its driver, and the multiplier."""
         self._followers: dict[str, list[tuple[str, float]]] = {}
-        for follower, (driver, multiplier) in shares.items():
+        for follower, (driver, multiplier) in self._drivers.items():
             self._followers.setdefault(driver, []).append((follower, multiplier))
         self._columns: Mapping[str, slice] = {}
         self._scales = np.zeros(0)
@@ -54,29 +59,33 @@ class Couplings:
     @property
     def coupled(self) -> frozenset[str]:
         """The dofs that move with others: those of loops and of relations."""
-        return self.in_loops | self._shares.keys() | self._followers.keys()
+        return self.in_loops | self._drivers.keys() | self._followers.keys()
 
     def independent(self, dofs: Iterable[str]) -> tuple[str, ...]:
         """Returns the largest choice of these dofs that move independently of each other; earlier dofs are
         preferred. A dof that follows another with the multiplier 0 is never chosen."""
         chosen: list[str] = []
-        drivers: set[str] = set()
+        used_drivers: set[str] = set()
         motions = self._motions()
         rows: list[int] = []
-        # Rows of `motions` belong to the columns of the Jacobian.
         for dof in dofs:
-            driver, multiplier = self._shares.get(dof, (dof, 1.0))
-            if driver in drivers or multiplier == 0.0:
+            driver, multiplier = self._drive_of(dof)
+            if driver in used_drivers or multiplier == 0.0:
                 continue
             if driver in self._columns:
+                # Rows of `motions` belong to the columns of the Jacobian.
                 more_rows = [*rows, self._columns[driver].start]
                 # The basis is orthonormal, so the tolerance needs no scale.
                 if np.linalg.matrix_rank(motions[more_rows], tol=RANK_TOLERANCE) < len(more_rows):
                     continue
                 rows = more_rows
-            drivers.add(driver)
+            used_drivers.add(driver)
             chosen.append(dof)
         return tuple(chosen)
+
+    def _drive_of(self, dof: str) -> tuple[str, float]:
+        """Returns the driver of a dof and the multiplier; the dof itself and 1 if it follows no other dof."""
+        return self._drivers.get(dof, (dof, 1.0))
 
     def _motions(self) -> Array:
         """Returns an orthonormal basis (size, k) of the speeds that keep the loops closed, at the
@@ -99,9 +108,10 @@ class Couplings:
         The measure is the least singular value of the Jacobian by the other dofs, in units of
         `Closer.scales`.
         """
-        drivers = {dof: self._shares.get(dof, (dof, 1.0))[0] for dof in driven}
+        driver_of = {dof: self._drive_of(dof)[0] for dof in driven}
+        # Driven dofs are turns and slides, so each has a single column.
         driver_columns = {
-            self._columns[driver].start for driver in drivers.values() if driver in self._columns
+            self._columns[driver].start for driver in driver_of.values() if driver in self._columns
         }
         is_near_by_column: dict[int, npt.NDArray[np.bool_]] = {}
         for rows, columns in self._mechanisms():
@@ -114,15 +124,15 @@ class Couplings:
             least = singular_values[:, ranks.max() - 1]
             is_near_by_column |= dict.fromkeys(columns, least * SINGULAR_RATIO < least.max())
         starts = {
-            dof: self._columns[driver].start for dof, driver in drivers.items() if driver in self._columns
+            dof: self._columns[driver].start for dof, driver in driver_of.items() if driver in self._columns
         }
         return {dof: is_near_by_column[start] for dof, start in starts.items() if start in is_near_by_column}
 
     def _mechanisms(self) -> list[tuple[list[int], list[int]]]:
         """Returns the rows and the columns of the Jacobian of each group of loops that share a dof."""
         groups: list[tuple[list[int], set[int]]] = []
-        for first in range(0, self._jacobian.shape[1], 6):
-            rows = list(range(first, first + 6))
+        for first in range(0, self._jacobian.shape[1], _ROWS_PER_LOOP):
+            rows = list(range(first, first + _ROWS_PER_LOOP))
             columns = set(np.flatnonzero(np.any(self._jacobian[:, rows], axis=(0, 1))).tolist())
             joined = [group for group in groups if group[1] & columns]
             groups = [group for group in groups if not group[1] & columns]
@@ -133,16 +143,17 @@ class Couplings:
     def moved_by(self, driven: Sequence[str]) -> dict[str, Rates]:
         """Returns by driven dof the speeds of all dofs that move with it, its own included, at its unit speed
         while the other driven dofs rest."""
-        drivers = {dof: self._shares.get(dof, (dof, 1.0)) for dof in driven}
-        inside = [driver for driver, _ in drivers.values() if driver in self._columns]
+        drive_of = {dof: self._drive_of(dof) for dof in driven}
+        inside = [driver for driver, _ in drive_of.values() if driver in self._columns]
+        # Driven dofs are turns and slides, so each has a single column.
         driver_columns = [self._columns[driver].start for driver in inside]
         rest = [column for column in range(self._jacobian.shape[2]) if column not in driver_columns]
         responses = np.zeros((self._count, len(rest), len(driver_columns)))
         if driver_columns and rest:
             inverses = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK_TOLERANCE)
             responses = -inverses @ self._jacobian[:, :, driver_columns]
-        rates_by_driver: dict[str, Rates] = {}
-        for dof, (driver, multiplier) in drivers.items():
+        rates_by_dof: dict[str, Rates] = {}
+        for dof, (driver, multiplier) in drive_of.items():
             rates = {driver: np.ones((self._count, 1))}
             if driver in self._columns:
                 columns = np.zeros((self._count, self._jacobian.shape[2]))
@@ -152,8 +163,8 @@ class Couplings:
             for name, speeds in list(rates.items()):
                 rates |= {follower: factor * speeds for follower, factor in self._followers.get(name, ())}
             # At a unit speed of the dof itself, and not of its driver.
-            rates_by_driver[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
-        return rates_by_driver
+            rates_by_dof[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
+        return rates_by_dof
 
 
 def nearest_first(robot: Robot) -> list[str]:
@@ -162,6 +173,7 @@ def nearest_first(robot: Robot) -> list[str]:
     depth = {robot.root.name: 0}
     order: dict[str, tuple[int, float, int]] = {}
     masses = {link.name: link.inertial.mass for link in robot.links}
+    # The joints of a robot are in an order from the root on: parents come before their children.
     for joint in reversed(robot.joints):
         masses[joint.parent] += masses[joint.child]
     for number, joint in enumerate(robot.joints):

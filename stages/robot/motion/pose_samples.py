@@ -14,6 +14,9 @@ from linkwright.stages.robot.motion.pose_batch import count_of, repeated, select
 _ROUNDS = 4
 """Largest number of times that a pose is drawn until its loops close."""
 
+_COSINE_TOLERANCE = 1e-9
+"""Tolerance of the cosine of a ball's tilt, for rounding: a drawn pose may be on the edge of the cone."""
+
 _STEPS = 24
 """Number of steps from the start to a drawn pose; the loops are closed in each."""
 
@@ -25,9 +28,10 @@ def sampled_poses(
     `salt` draws independent configurations.
 
     The value of a turn or slide is uniform in its range, from a generator (PCG64) that the name of the dof
-    seeds, so that the order of joints does not matter. Without limits the range is half a turn, for slides
-    and free motion `reach` [m], to both sides of the value in `start`; with a single limit it is as long. The
-    z axis of a ball is uniform in its cone, and so is its angle about it. Followers follow their drivers.
+    seeds, so that the order of joints does not matter. A turn without limits ranges half a turn to both sides
+    of its value in `start`, a slide or free motion `reach` [m]. With a single limit the range is as long,
+    from that limit on. The z axis of a ball is uniform in the cone, and the turn about that axis is uniform.
+    Followers follow their drivers.
 
     The dofs of loops move from `start`, whose loops must be closed, as near to the drawn values as closed
     loops allow. A pose whose loops do not close is drawn again, at most three times, so there may be fewer
@@ -47,8 +51,8 @@ def sampled_poses(
     batches: list[dict[str, Array]] = []
     for attempt in range(_ROUNDS):
         target = select(all_values, np.arange(attempt * count, (attempt + 1) * count))
-        first = {**target, **starts}
-        values, closed = closer.settled(closer.towards(first, target, _STEPS))
+        begin = {**target, **starts}
+        values, closed = closer.settled(closer.towards(begin, target, _STEPS))
         batches.append(select(values, closed & _in_cones(dofs, values)))
         if sum(map(count_of, batches)) >= count:
             break
@@ -96,13 +100,13 @@ def _quats(random: Array, cone: float) -> Array:
     tilt = np.arccos(1 - random[:, 0] * (1 - math.cos(min(cone, math.pi))))
     direction, twist = 2 * math.pi * random[:, 1], 2 * math.pi * random[:, 2]
     # Rz(direction) Ry(tilt) Rz(twist - direction): the z axis is tilted towards `direction`.
-    half, plus, minus = tilt / 2, twist / 2, direction - twist / 2
+    half_tilt, half_twist, azimuth = tilt / 2, twist / 2, direction - twist / 2
     return np.column_stack(
         [
-            np.cos(half) * np.cos(plus),
-            np.sin(half) * -np.sin(minus),
-            np.sin(half) * np.cos(minus),
-            np.cos(half) * np.sin(plus),
+            np.cos(half_tilt) * np.cos(half_twist),
+            np.sin(half_tilt) * -np.sin(azimuth),
+            np.sin(half_tilt) * np.cos(azimuth),
+            np.cos(half_tilt) * np.sin(half_twist),
         ]
     )
 
@@ -114,5 +118,5 @@ def _in_cones(dofs: list[Dof], values: dict[str, Array]) -> npt.NDArray[np.bool_
         if dof.kind == "ball" and dof.limits.upper is not None:
             _, x, y, _ = values[dof.name].T
             # The z component of the rotated z axis is 1 − 2 (x² + y²), the cosine of its tilt.
-            in_cone &= 1 - 2 * (x * x + y * y) >= math.cos(min(dof.limits.upper, math.pi)) - 1e-9
+            in_cone &= 1 - 2 * (x * x + y * y) >= math.cos(min(dof.limits.upper, math.pi)) - _COSINE_TOLERANCE
     return in_cone

@@ -77,8 +77,8 @@ def _files_beside(place: Path) -> list[str]:
 
 
 def content(path: Path, max_size: int) -> bytes:
-    """Returns the content of a file. Raises OSError if it is not a readable regular file, and FileTooLarge if
-    it has more than `max_size` bytes."""
+    """Returns the content of a file. Raises OSError if it is not a readable regular file, ValueError if no
+    file can have its name, and FileTooLarge if it has more than `max_size` bytes."""
     with _open_file(path, max_size) as (file, size):
         return file.read(size)
 
@@ -98,6 +98,7 @@ def _open_file(path: Path, max_size: int) -> Iterator[tuple[BinaryIO, int]]:
     """Yields a file that is open for reading, and its size [bytes]; raises the same errors as `content`."""
     # A pipe without a writer would block here, and a terminal would become ours.
     flags = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    # Opening a device may already do something, so it is refused before.
     if is_special(path):
         raise OSError(errno.EINVAL, NOT_REGULAR)
     with open(os.open(path, os.O_RDONLY | flags), "rb") as file:

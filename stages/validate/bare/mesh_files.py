@@ -35,10 +35,12 @@ def _stl(data: bytes) -> Array:
     # A binary STL may begin with "solid", too, but its header has no facet.
     if data.lstrip().startswith(b"solid") and b"facet" in data[:2000]:
         return np.array(_STL_VERTEX.findall(data), dtype=np.float64).reshape(-1, 3)
+    # Only the ending of the name matters.
     return mesh_points("a.stl", data)
 
 
 def _obj(data: bytes) -> Array:
+    # Only the ending of the name matters.
     return mesh_points("a.obj", data)
 
 

@@ -34,7 +34,7 @@ def differences(
 ) -> dict[str, float]:
     """Returns the difference of each quantity, in the units of `UNITS`; infinity if a value is NaN. The
     difference of the inertia is reduced by `inertia_allowance`. Without an expected mass, the centre of mass
-    has no meaning and differs by 0, and other differences are absolute."""
+    has no meaning and differs by 0. Where the expected mass or inertia is 0, its difference is absolute."""
     largest_entry = float(np.abs(expected.inertia).max()) or 1.0
     tensor_error = float(np.abs(actual.inertia - expected.inertia).max()) / largest_entry
     values = {

@@ -25,7 +25,10 @@ def score(finished: FinishedRobot) -> Check:
     passed = sum(judgement.verdict == PASSED for judgement in judgements)
     total = sum(judgement.verdict != NOT_APPLICABLE for judgement in judgements)
     name = f"{finished.path.name}: sim-readiness"
-    rows = tuple((row.point.number, row.point.title, row.verdict, row.reason) for row in judgements)
+    rows = tuple(
+        (judgement.point.number, judgement.point.title, judgement.verdict, judgement.reason)
+        for judgement in judgements
+    )
     detail, table = _detail(judgements, passed, total), Table(HEADER, rows)
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)
 
@@ -45,7 +48,7 @@ def _detail(judgements: Sequence[_JudgedPoint], passed: int, total: int) -> str:
     if inapplicable:
         verb = "does not apply" if inapplicable == 1 else "do not apply"
         detail += f" ({inapplicable} of the {len(judgements)} {verb})"
-    missing = [str(row.point.number) for row in judgements if row.verdict == MISSING]
+    missing = [str(judgement.point.number) for judgement in judgements if judgement.verdict == MISSING]
     return f"{detail}; missing: {', '.join(missing)}" if missing else detail
 
 

@@ -19,23 +19,24 @@ ALL_BITS = 0xFFFF
 DEFAULT_MASK = 0xFF
 """The mask of a collider that has no mask in the file."""
 
-MAX_LINKS = 8
-"""Largest number of links, in pairs that must not collide, for which the bits of `DEFAULT_MASK` are enough.
+MAX_EXCLUDED_LINKS = 8
+"""The bits of `DEFAULT_MASK` are always enough if at most this many links are in pairs that must not collide.
 With more links, no links of the SDF may collide with each other (I-SDF-SELF)."""
 
 MASK_PATH = "surface contact collide_bitmask"
 """The path of the mask in a collision."""
 
 
-def contact_findings(model: SdfModel, links: Mapping[str, str], geometry: Geometry) -> list[Finding]:
+def contact_findings(model: SdfModel, sdf_names: Mapping[str, str], geometry: Geometry) -> list[Finding]:
     """Checks that the links collide with each other as in the robot, and that every collider collides with
-    colliders without a mask. `links`: link of the robot → its name in the SDF."""
+    colliders without a mask. `sdf_names`: link of the robot → its name in the SDF."""
     findings = [finding for link in model.links.values() for finding in _world_findings(link)]
-    return [*findings, *_self_contact_findings(model, links, geometry)]
+    return [*findings, *_self_contact_findings(model, sdf_names, geometry)]
 
 
 def _world_findings(link: SdfLink) -> Iterator[Finding]:
-    """Yields the colliders of a link that do not collide with the world."""
+    """Yields the colliders of a link that do not collide with colliders without a mask, as the world's
+    are."""
     for number, shape in enumerate(link.collisions, 1):
         if not shape.pushed:
             message = "lets everything pass through it"
@@ -46,30 +47,36 @@ def _world_findings(link: SdfLink) -> Iterator[Finding]:
 
 
 def _self_contact_findings(
-    model: SdfModel, names: Mapping[str, str], geometry: Geometry
+    model: SdfModel, sdf_names: Mapping[str, str], geometry: Geometry
 ) -> Iterator[Finding]:
-    """Yields links that collide but must not, and links that must collide but do not. `names`: link of the
-    robot → its name in the SDF."""
+    """Yields links that collide but must not, and links that must collide but do not. `sdf_names`: link of
+    the robot → its name in the SDF."""
     # Gazebo never lets links collide that a joint of the tree connects.
-    joined = _joined_pairs(model, names)
-    links = {name: model.links[title] for name, title in names.items()}
-    excluded = {(exclude.link_a, exclude.link_b): exclude.geoms for exclude in geometry.excludes}
-    excluded = {pair: geoms for pair, geoms in excluded.items() if frozenset(pair) not in joined}
+    joined = _joined_pairs(model, sdf_names)
+    sdf_links = {link: model.links[sdf_name] for link, sdf_name in sdf_names.items()}
+    excluded = {
+        (exclude.link_a, exclude.link_b): exclude.geoms
+        for exclude in geometry.excludes
+        if frozenset((exclude.link_a, exclude.link_b)) not in joined
+    }
     if not geometry.self_contact:
-        elements = [named("link", link.name) for link in links.values() if link.self_collides]
+        elements = [named("link", link.name) for link in sdf_links.values() if link.self_collides]
         elements += [named("model", model.name)] if model.self_collides else []
         yield from (differs(element, "self_collide", "true", "false") for element in elements)
     elif not model.self_collides:
-        if len({name for pair in excluded for name in pair}) <= MAX_LINKS:
+        if len({name for pair in excluded for name in pair}) <= MAX_EXCLUDED_LINKS:
             yield differs(named("model", model.name), "self_collide", "false", "true")
     else:
         # Colliders without a mask collide with each other, and `_world_findings` checks all others with them.
         masked_links = [
-            name for name, link in links.items() if any(shape.mask is not None for shape in link.collisions)
+            name
+            for name, link in sdf_links.items()
+            if any(shape.mask is not None for shape in link.collisions)
         ]
+        # Both names of a pair are in the order of the robot's links, as in excludes.
         for pair in sorted({*combinations(masked_links, 2), *excluded}):
             if frozenset(pair) not in joined:
-                pair_of_links = [links[name] for name in pair]
+                pair_of_links = [sdf_links[name] for name in pair]
                 yield from _pair_findings(pair_of_links, excluded.get(pair), _uses_all_bits(model))
 
 
@@ -101,16 +108,17 @@ def _pair_findings(
         )
 
 
-def _joined_pairs(model: SdfModel, names: Mapping[str, str]) -> set[frozenset[str]]:
-    """Returns the pairs of the robot's links that are joined by the first joint that holds a link."""
-    link_of_title = {title: link for link, title in names.items()}
+def _joined_pairs(model: SdfModel, sdf_names: Mapping[str, str]) -> set[frozenset[str]]:
+    """Returns the pairs of the robot's links that the tree joins: a link and its parent. Of several joints
+    with the same child, the first counts."""
+    link_of_sdf_name = {sdf_name: link for link, sdf_name in sdf_names.items()}
     parent_of: dict[str, str] = {}
     for joint in model.joints.values():
         parent_of.setdefault(joint.child, joint.parent)
     return {
-        frozenset((link_of_title[child], link_of_title[parent]))
+        frozenset((link_of_sdf_name[child], link_of_sdf_name[parent]))
         for child, parent in parent_of.items()
-        if {child, parent} <= link_of_title.keys()
+        if {child, parent} <= link_of_sdf_name.keys()
     }
 
 

@@ -12,8 +12,12 @@ import numpy as np
 from linkwright.stages.robot.model.robot import Array
 
 MAX_START_DEPTH = 5e-4
-"""Largest depth [m] of contacts at the start, which is the skin of soft contact: deeper contacts push the
-robot apart."""
+"""Largest depth [m] of contacts at the start: resting bodies sink about as deep into each other by soft
+contact, and deeper contacts push the robot apart."""
+
+PASSIVE = ("PASSIVE", "SPRING", "DAMPER")
+"""Springs, dampers, fluids and gravity compensation: one flag in older versions of MuJoCo, two in newer
+versions."""
 
 
 @contextmanager
@@ -33,11 +37,6 @@ def flags(*names: str) -> int:
     """Returns the bits of flags that disable features, as far as the installed MuJoCo has these flags."""
     bits = (getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}", 0) for name in names)
     return sum(int(bit) for bit in bits)
-
-
-PASSIVE = ("PASSIVE", "SPRING", "DAMPER")
-"""Springs, dampers, fluids and gravity compensation: one flag in older versions of MuJoCo, two in newer
-versions."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,4 +30,5 @@ def _texts(dof: Dof, value: Value, names: UrdfNames) -> Iterator[tuple[str, str]
             yield name, number(angle, least=least_of("ball"))
     elif dof.kind != "free":
         assert not isinstance(value, tuple)
+        # A turn or slide has its dof's name in the URDF, also among several dofs of a joint.
         yield dof.name, number(value, least=least_of(dof.kind))
