@@ -56,11 +56,7 @@ def actuate(
     """
     log = Diagnostics(optional=optional)
     choices = choose_actuators(robot, entries, motors, log)
-    if log.problems:
-        msg = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
-        raise ExportError(
-            msg, problems=sorted(log.problems, key=lambda problem: (problem.message, problem.where))
-        )
+    _refuse_problems(log)
     kept = [actuator for actuator in robot.actuators if actuator.dof not in choices]
     if not choices and not kept:
         return Actuation(), tuple(log.notes)
@@ -100,6 +96,14 @@ def actuate(
     report_passive(robot, choices, order, log)
     report_couplings(robot, actuation, rates, [dof for dof in driven if dof in choices], log)
     return actuation, tuple(log.notes)
+
+
+def _refuse_problems(log: Diagnostics) -> None:
+    """Raises ExportError with all problems, if there are any."""
+    if log.problems:
+        message = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
+        problems = sorted(log.problems, key=lambda problem: (problem.message, problem.where))
+        raise ExportError(message, problems=problems)
 
 
 def _in_order_of(actuators: Sequence[Actuator]) -> Callable[[Actuator], int]:
