@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.bundle import Bundle
     from linkwright.stages.robot.errors import Diagnostic
 
-VERSION = 15
+VERSION = 16
 """The version of the stage. It grows with every change of the stage's output for the same input."""
 
 

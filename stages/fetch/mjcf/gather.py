@@ -26,7 +26,7 @@ from linkwright.stages.robot.system import guest
 if TYPE_CHECKING:
     from linkwright.stages.fetch.mjcf.section import MjcfSourceSection
 
-READER = 4
+READER = 5
 """Version of the reader, to be raised with every change of the result for the same files."""
 
 MODEL = "model"

@@ -73,6 +73,13 @@ def test_actuators_and_sensors_have_their_parameters(path):
     assert names_of(now, "sensor", 4) == ["imu", "tip_accelerometer", "angle", "c_jointvel"]
 
 
+def test_parameters_that_are_zero_stay_zero(tmp_path):
+    spring = '<general name="spring" joint="a" gainprm="0" biastype="affine" biasprm="0.5 -3 -1"/>'
+    lag = '<general name="lag" joint="b" dyntype="filter" dynprm="0" gainprm="3"/>'
+    now = compiled(rebuilt(written(tmp_path, text(f"<actuator>{spring}{lag}</actuator>"))))
+    assert (now.actuator_gainprm[0][0], now.actuator_dynprm[1][0]) == (0, 0)
+
+
 def test_the_robot_moves_and_measures_as_it_did(path):
     models = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     random = np.random.default_rng(3)

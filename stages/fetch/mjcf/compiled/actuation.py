@@ -30,6 +30,7 @@ _WORDS_OF_ATTRIBUTES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 and the motors of later versions are left out."""
 
 _DEFAULT_PARAMETERS: Mapping[str, tuple[float, ...]] = {"gainprm": (1.0,), "biasprm": (), "dynprm": (1.0,)}
+"""Parameters of a general actuator → MuJoCo's defaults, without the zeros at the end."""
 
 
 def carried_actuators(model: Any, robot_bodies: Collection[int]) -> tuple[int, ...]:
@@ -103,7 +104,10 @@ def _terms(
     model: Any, index: int, words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
 ) -> tuple[tuple[str, str], ...]:
     terms = [(name, words[name]) for name in ("dyntype", "gaintype", "biastype")]
-    terms += [(name, exact(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
+    for name in ("dynprm", "gainprm", "biasprm"):
+        # Nothing but zeros must be written too where MuJoCo's default is another number.
+        if numbers[name] or _DEFAULT_PARAMETERS[name]:
+            terms.append((name, exact(numbers[name] or (0.0,))))
     if model.actuator_actlimited[index]:
         terms.append(("actrange", exact(tuple(float(end) for end in model.actuator_actrange[index]))))
     if model.actuator_actearly[index]:
