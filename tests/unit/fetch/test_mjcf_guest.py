@@ -199,6 +199,12 @@ def test_the_identity_is_the_content_of_all_files(tmp_path):
     assert gather.identity(keys_of(path)) != first
 
 
+def driven(attributes):
+    """A hinge with a position servo with these attributes."""
+    servo = f'<actuator><position joint="j" {attributes}/></actuator>'
+    return model(body("a", '<joint name="j"/>'), servo)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -213,6 +219,14 @@ def test_the_identity_is_the_content_of_all_files(tmp_path):
         ('<mujoco><include file="model.xml"/></mujoco>', "already included"),
         (model(body("a", pos="nan 0 0")), "body_pos"),
         (model(body("a", pos="inf 0 0")), "body_pos"),
+        (model(body("a", '<joint stiffness="nan"/>')), "jnt_stiffness"),
+        (model(body("a", '<joint springref="nan" stiffness="1"/>')), "qpos_spring"),
+        (model(body("a", '<joint actuatorfrcrange="-1 nan" actuatorfrclimited="true"/>')), "jnt_actfrcrange"),
+        (driven('kp="nan"'), "actuator_gainprm"),
+        (driven('gear="nan"'), "actuator_gear"),
+        (driven('forcerange="nan 1" forcelimited="true"'), "actuator_forcerange"),
+        (driven('forcerange="-inf inf"'), "actuator_forcerange"),
+        (model(body("a", '<geom size="1" friction="nan"/>')), "geom_friction"),
         (model(body("a") + body("a")), "repeated name 'a'"),
         (model("<body><joint/></body>"), "mass and inertia of moving bodies"),
         ("<mujoco><foo/></mujoco>", "foo"),

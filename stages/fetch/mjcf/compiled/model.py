@@ -21,7 +21,7 @@ from linkwright.stages.fetch.mjcf.compiled.unsupported import omission_reports, 
 from linkwright.stages.formats.mjcf.model import Mjcf, MjcfBody, MjcfSite
 from linkwright.stages.mujoco.bodies import pose_of
 from linkwright.stages.mujoco.elements import site_attributes
-from linkwright.stages.mujoco.fields import BODY, attributes
+from linkwright.stages.mujoco.fields import ARRAYS, BODY, attributes
 from linkwright.stages.robot.dynamics.inertia import moved
 from linkwright.stages.robot.errors import SourceError
 from linkwright.stages.robot.model.robot import Inertial, frozen
@@ -29,9 +29,13 @@ from linkwright.stages.robot.model.robot import Inertial, frozen
 _FINITE_ARRAYS = (
     *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
     *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
-    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature", "key_qpos"),
+    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature", "key_qpos", "qpos_spring"),
+    *("jnt_stiffness", "actuator_gear", "actuator_gainprm", "actuator_biasprm", "actuator_dynprm"),
+    "geom_friction",
 )
 """Arrays that must be finite: MuJoCo compiles a NaN with only a warning."""
+
+_ACTUATOR_RANGES = ("actuator_ctrlrange", "actuator_forcerange", "actuator_actrange")
 
 
 def convert(
@@ -108,9 +112,20 @@ def _numbers(
 
 def _require_finite(model: mujoco.MjModel, where: str) -> None:
     fields = [name for name in _FINITE_ARRAYS if not np.isfinite(getattr(model, name)).all()]
+    attribute_arrays = sorted(name for name in ARRAYS if hasattr(model, name) and name not in fields)
+    fields += [name for name in attribute_arrays if _has_bad_number(model, name)]
     if fields:
         msg = f"invalid MJCF: NaN or infinite values in {', '.join(fields)}"
         raise SourceError(msg, where, "look for nan and inf in the file")
+
+
+def _has_bad_number(model: mujoco.MjModel, name: str) -> bool:
+    """Tells whether an array has a NaN, or is the range of actuators and has an infinite end that counts."""
+    values = getattr(model, name)
+    if name not in _ACTUATOR_RANGES:
+        return bool(np.isnan(values).any())
+    is_limited = getattr(model, f"{name.removesuffix('range')}limited") != 0
+    return bool(np.isnan(values).any() or np.isinf(values[is_limited]).any())
 
 
 def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
