@@ -80,6 +80,19 @@ def test_parameters_that_are_zero_stay_zero(tmp_path):
     assert (now.actuator_gainprm[0][0], now.actuator_dynprm[1][0]) == (0, 0)
 
 
+def test_infinite_ranges_without_effect_are_read(tmp_path):
+    servo = '<position joint="a" kp="1" ctrllimited="false" ctrlrange="-inf inf"/>'
+    assert robot_of(written(tmp_path, text(f"<actuator>{servo}</actuator>"))).actuators[0].control is None
+
+
+def test_an_actuator_of_the_worlds_tendon_is_of_the_scene(tmp_path):
+    sites = '<site name="low" pos="0 0 1"/><site name="high" pos="0 0 2"/>'
+    tendon = '<tendon><spatial name="rope"><site site="low"/><site site="high"/></spatial></tendon>'
+    actuators = '<actuator><general name="winch" tendon="rope"/><motor name="push" joint="a"/></actuator>'
+    path = written(tmp_path, text(tendon + actuators).replace("<worldbody>", f"<worldbody>{sites}"))
+    assert [actuator.name for actuator in robot_of(path).actuators] == ["push"]
+
+
 def test_the_robot_moves_and_measures_as_it_did(path):
     models = mujoco.MjModel.from_xml_path(str(path)), compiled(rebuilt(path))
     random = np.random.default_rng(3)

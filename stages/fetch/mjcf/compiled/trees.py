@@ -102,11 +102,12 @@ def _on_path(model: Any, tendon: int) -> Iterator[int]:
 
 
 def _actuated_bodies(model: Any) -> Iterator[int]:
-    """Yields the body that each actuator acts on: for a tendon, the first on its path."""
+    """Yields the body that each actuator acts on: for a tendon, the first on its path; 0 for the world."""
     for index in range(len(model.actuator_trntype)):
         kind, object_index = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])
         if kind == mujoco.mjtTrn.mjTRN_TENDON:
-            yield next(body for body in _on_path(model, object_index) if body)
+            # A tendon between sites of the world acts on no body.
+            yield next((body for body in _on_path(model, object_index) if body), 0)
         elif kind in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT):
             yield int(model.jnt_bodyid[object_index])
         elif kind == mujoco.mjtTrn.mjTRN_BODY:
