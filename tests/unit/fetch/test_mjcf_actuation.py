@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from linkwright.stages.fetch.mjcf.compiled.effort import efforts
 from tests.support.exports import compiled
 from tests.support.mjcfs import model, rebuilt, robot_of, written
 
@@ -91,6 +92,12 @@ def test_an_actuator_of_the_worlds_tendon_is_of_the_scene(tmp_path):
     actuators = '<actuator><general name="winch" tendon="rope"/><motor name="push" joint="a"/></actuator>'
     path = written(tmp_path, text(tendon + actuators).replace("<worldbody>", f"<worldbody>{sites}"))
     assert [actuator.name for actuator in robot_of(path).actuators] == ["push"]
+
+
+def test_an_actuator_without_a_gear_adds_no_force():
+    actuators = '<motor joint="a" gear="0"/><motor joint="a" forcerange="-3 3"/>'
+    model = mujoco.MjModel.from_xml_string(text(f"<actuator>{actuators}</actuator>"))
+    assert efforts(model) == {0: 3.0}
 
 
 def test_the_robot_moves_and_measures_as_it_did(path):

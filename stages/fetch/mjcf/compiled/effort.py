@@ -49,4 +49,5 @@ def _max_force(model: Any, actuator: int) -> float:
     if is_motor and model.actuator_ctrllimited[control]:
         max_control = float(np.abs(model.actuator_ctrlrange[control]).max())
         force = min(force, abs(float(model.actuator_gainprm[actuator][0])) * max_control)
-    return force * abs(float(model.actuator_gear[actuator][0])) if force < math.inf else math.inf
+    gear = abs(float(model.actuator_gear[actuator][0]))
+    return force * gear if gear else 0.0
