@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import orjson
+
 from linkwright.stages.fetch.onshape import definition, requests
 from linkwright.stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
 from linkwright.stages.fetch.onshape.replies.checks import cached_form, compact_triangles
@@ -83,7 +85,7 @@ class RecordedAnswers:
         if reply is None:
             return None
         try:
-            return Reply(reply.request, compact_triangles(reply.request, reply.body, mass[0].body))
+            return Reply(reply.request, compact_triangles(reply.request, reply.body, _joined(mass)))
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
 
@@ -99,3 +101,16 @@ class RecordedAnswers:
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
         return Reply(request, body)
+
+
+def _joined(mass: tuple[Reply, ...]) -> bytes:
+    """Returns the mass properties of all parts of a studio as a single reply."""
+    if len(mass) == 1:
+        return mass[0].body
+    return orjson.dumps(
+        {
+            "bodies": {
+                part: body for reply in mass for part, body in orjson.loads(reply.body)["bodies"].items()
+            }
+        }
+    )

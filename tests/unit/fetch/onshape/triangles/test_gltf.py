@@ -5,9 +5,14 @@ import json
 import struct
 
 import numpy as np
+import orjson
 import pytest
 
+from linkwright.stages.fetch.onshape import requests
+from linkwright.stages.fetch.onshape.gather import digest, gather
+from linkwright.stages.fetch.onshape.replies.recorded import RecordedAnswers
 from linkwright.stages.fetch.onshape.triangles import faces, gltf_parts
+from linkwright.stages.fetch.recording import Recording
 from linkwright.stages.formats import triangles as codec
 from linkwright.stages.formats.meshes import body_arrays
 from linkwright.stages.formats.meshes import gltf as reader
@@ -17,6 +22,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame
 from tests.fake_onshape.gltf import gltf
 from tests.fake_onshape.studio_replies import mass_properties, tessellated_faces
+from tests.support.building import bundle_of
 
 RED, BLUE = (255, 0, 0), (0, 0, 255, 51)
 
@@ -90,6 +96,33 @@ def test_bodies_that_match_no_parts_or_no_axis_are_refused():
     ):
         with pytest.raises(ProtocolError, match=words):
             gltf_parts.compact(gltf(parts, appearances=True), figures)
+
+
+def test_masses_part_by_part_identify_all_bodies_of_a_recording():
+    document = Document("Pair")
+    made = document.studio("Shapes")
+    made.part("Pin", solids.cylinder(0.004, 0.03), density=7800)
+    made.part("Plate", solids.box(0.2, 0.1, 0.01, at=(0, 0, 0.2)), density=2700)
+    root = document.assembly("Pair")
+    for part in made.parts:
+        root.add(part)
+    bundle = bundle_of(document)
+    (studio,) = bundle.studios
+    definition = next(name for name, digest in bundle.requests.items() if digest == bundle.definition)
+    figures = json.loads(masses(made))["bodies"]
+    replies = {definition: bundle.blobs[bundle.definition]} | {
+        requests.part_mass_properties(studio.key, part.id): orjson.dumps(
+            {"bodies": {part.id: figures[part.id]}}
+        )
+        for part in made.parts
+    }
+    replies[requests.recorded_gltf(studio.key)] = gltf(made.parts, appearances=True)
+    digests = {request: digest(body) for request, body in replies.items()}
+    blobs = {digest(body): body for body in replies.values()}
+    recording = Recording("onshape", "v16", bundle.root, bundle.definition, digests, blobs, {}, "v17")
+    again = gather(RecordedAnswers(recording, "zip"))
+    bodies = body_arrays.decode(again.blobs[again.studios[0].tessellation])
+    assert set(bodies) == {part.id for part in made.parts}
 
 
 def inlined(reply):
