@@ -9,6 +9,7 @@ The previous values are stored before anything is written: if the process is kil
 next build restores them.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -197,7 +198,18 @@ class Variables:
     def _changes(self, settings: Mapping[str, Any]) -> list[_Change]:
         tables = {studio: self._table(studio) for studio in self._studios()}
         studio_of = {row["name"]: studio for studio, table in tables.items() for row in table}
+        studio_counts = Counter(row["name"] for table in tables.values() for row in table)
         problems = [
+            Diagnostic(
+                "E-VARIABLE",
+                f"{studio_counts[name]} variable studios of the document have this variable",
+                f"{_CONFIG_KEY}.{name}",
+                "give it another name in all of them but one",
+            )
+            for name in settings
+            if studio_counts[name] > 1
+        ]
+        problems += [
             Diagnostic(
                 "E-VARIABLE",
                 "no variable studio of the document has this variable",

@@ -114,6 +114,14 @@ def test_variables_that_the_document_lacks_are_reported(server, kept):
     assert posts(server) == []
 
 
+def test_a_variable_of_two_studios_is_refused(server, kept):
+    server.leaves = True
+    server.document.variable_studio("More", {"LegLength": ("LENGTH", "1 m")})
+    (problem,) = fails(server, kept).problems
+    assert (problem.where, problem.message[:18]) == ("source.variables.LegLength", "2 variable studios")
+    assert posts(server) == []
+
+
 def test_a_studio_with_a_configured_variable_is_left_alone(server, kept):
     server.leaves = True
     server.document.variable_studios[0].table["Spare"] = ("NUMBER", "")
