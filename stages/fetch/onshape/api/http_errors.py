@@ -101,7 +101,7 @@ def rate_limited(
     )
     when = f"in {_minutes(requested)}" if requested is not None else "later"
     hint = f"run the same command again {when}: what was fetched is kept and not paid for twice"
-    if requested is not None:
+    if requested is not None and requested + 10 > max_wait:
         hint += f"; or allow a longer wait: source.max_wait={int(requested) + 10}"
     return RateLimited(msg, host, hint)
 

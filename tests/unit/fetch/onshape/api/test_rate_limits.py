@@ -5,6 +5,7 @@ from time import monotonic, sleep
 
 import pytest
 
+from linkwright.stages.fetch.onshape.api.http_errors import rate_limited
 from linkwright.stages.fetch.onshape.api.rate_limits import RateLimits, remaining_calls, retry_after
 from linkwright.stages.fetch.onshape.call_budget import Budget, allow
 from linkwright.stages.robot.errors import SourceError
@@ -103,3 +104,9 @@ def test_as_many_calls_as_allowed_may_be_made_and_no_more():
     assert caught.value.hint == "set source.max_calls=6 or more"
     with pytest.raises(SourceError, match=r"made 1 call and needs 5 more, but source.max_calls is 5"):
         allow(5, 1, 5)
+
+
+def test_no_wait_is_advised_that_is_allowed_already():
+    facts = {"waited": 8.0, "max_wait": 120.0}
+    hints = [rate_limited("x", "", "h", requested=seconds, **facts).hint for seconds in (0.0, 450.0)]
+    assert ["source.max_wait" in hint for hint in hints] == [False, True]
