@@ -57,7 +57,8 @@ class Packages:
     def find(self, name: str) -> Path | None:
         """Returns the package's folder; None if it is not found."""
         if name not in self.found:
-            place = next((place for place in self._places(name) if place.is_dir()), None)
+            # Unlike `Path.is_dir`, `isdir` raises nothing for a name that is too long.
+            place = next((place for place in self._places(name) if os.path.isdir(place)), None)  # noqa: PTH112
             if place is None:
                 return None
             self.found[name] = place

@@ -70,7 +70,7 @@ def _decoded(data: bytes, where: str, kind: TextKind) -> str:
     encoding = mark[1] if mark else declaration.group(1).decode() if declaration else "utf-8"
     try:
         text = (data[len(mark[0]) :] if mark else data).decode(encoding)
-    except (LookupError, UnicodeDecodeError):
+    except (LookupError, UnicodeError):
         text = ""
     if not text or "\0" in text:
         why = "it is not text" if data else "it is empty"

@@ -138,6 +138,13 @@ def test_text_in_any_encoding_is_read(tmp_path, encode):
     assert volume(only_body(tmp_path / "r.urdf")) == pytest.approx(0.008)
 
 
+def test_an_unknown_encoding_and_a_long_package_are_one_message(tmp_path):
+    put(tmp_path, **{"r.urdf": b'<?xml version="1.0" encoding="undefined"?><robot name="r"/>'})
+    assert "it is not text" in refused(tmp_path / "r.urdf").message
+    put(tmp_path, **{"r.urdf": urdf(f"package://{'p' * 300}/a.stl")})
+    assert [problem.code for problem in refused(tmp_path / "r.urdf").problems] == ["E-MESH-MISSING"]
+
+
 def test_problems_of_text_and_meshes_are_reported_together(tmp_path):
     put(tmp_path, **{"r.urdf": urdf("a.stl", "b.stl", inside="<origin xyz='x'/>"), "b.stl": b""})
     problems = [(problem.code, problem.message) for problem in refused(tmp_path / "r.urdf").problems]
