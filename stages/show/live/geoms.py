@@ -23,6 +23,9 @@ _TYPES = {
 _DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default colour of a geom; a geom with this colour has the colour of its material."""
 
+_COLOUR_ROLES = (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
+"""The roles of a material's textures that colour it."""
+
 _FIRST_HIDDEN_GROUP = 3
 """MuJoCo's viewers hide geom groups from this number on; by convention colliders are in hidden groups."""
 
@@ -87,15 +90,16 @@ def _source(model: Any, index: int) -> Source | None:
 
 
 def _colour(model: Any, index: int) -> list[float]:
-    """Returns the geom's colour, times the mean colour of its textures: the page shows no textures."""
+    """Returns the geom's colour, times the mean colour of its image: the page shows no textures."""
     rgba = model.geom_rgba[index].astype(np.float64)
     material = int(model.geom_matid[index])
     if material < 0 or not np.allclose(rgba, _DEFAULT_COLOUR):
         return _rounded(rgba)
     colour = model.mat_rgba[material].astype(np.float64)
-    textures = np.atleast_1d(model.mat_texid[material])
-    for texture in (int(number) for number in textures if number >= 0):
-        colour[:3] *= _mean_colour(model, texture)
+    # A material may also have textures without a colour, such as normals.
+    for texture in (int(model.mat_texid[material, int(role)]) for role in _COLOUR_ROLES):
+        if texture >= 0:
+            colour[:3] *= _mean_colour(model, texture)
     return _rounded(colour)
 
 

@@ -234,6 +234,20 @@ def test_visuals_colliders_and_the_ground_have_their_roles(whole):
     assert header["camera"] == {"center": [0, 0, 1], "extent": 0.8, "azimuth": 150, "elevation": -25}
 
 
+def test_textures_without_a_colour_leave_the_colour_of_a_geom(tmp_path):
+    images = "".join(
+        f'<texture name="{name}" type="2d" builtin="flat" rgb1="{colour}" width="8" height="8"/>'
+        for name, colour in (("rgb", "1 .5 0"), ("normal", ".5 .5 1"), ("orm", "0 1 0"))
+    )
+    layers = "".join(f'<layer role="{name}" texture="{name}"/>' for name in ("rgb", "normal", "orm"))
+    scene = (
+        f'<mujoco><asset>{images}<material name="m">{layers}</material></asset>'
+        '<worldbody><body><joint/><geom size="0.1" material="m"/></body></worldbody></mujoco>'
+    )
+    (colour,) = {tuple(geom["rgba"]) for geom in header_of(tmp_path, scene)["geoms"]}
+    np.testing.assert_allclose(colour, [1, 0.5, 0, 1], atol=0.01)
+
+
 def test_without_visual_geoms_the_colliders_are_seen(tmp_path):
     scene = '<mujoco><worldbody><body><joint/><geom group="3" size="0.1"/></body></worldbody></mujoco>'
     assert [geom["role"] for geom in header_of(tmp_path, scene)["geoms"]] == ["collision", "visual"]
