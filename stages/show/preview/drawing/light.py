@@ -144,7 +144,8 @@ def _without_holes(near: Single) -> Single:
 
 def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     """Returns points on triangles (m, 3, 3), and the size of the cells, which grows if there would be too
-    many points. A triangle smaller than a cell gets a point in its middle, a larger one a grid of points."""
+    many points. A triangle smaller than a cell gets a point in its middle, a larger one a grid of points, so
+    that there are at least as many points as triangles."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     edge_ab, edge_bc, edge_ca = (lengths_of(edge) for edge in (b - a, c - b, a - c))
     longest = np.where(
@@ -152,10 +153,11 @@ def _cloud(corners: Single, cell: float) -> tuple[Single, float]:
     )
     size = np.maximum(np.maximum(edge_ab, edge_bc), edge_ca)
     height = lengths_of(cross(b - a, c - a)) / np.maximum(size, np.float32(1e-12))
+    most = max(_MAX_POINTS, len(corners))
     while True:
         along = np.maximum(np.ceil(size / cell), 1)
         up = np.maximum(np.ceil(height / (2 * cell)), 1)
-        if (along * up).sum() <= _MAX_POINTS:
+        if (along * up).sum() <= most:
             break
         cell *= 1.25
     small, large = (np.flatnonzero(indices) for indices in (along * up == 1, along * up > 1))

@@ -5,6 +5,7 @@ import pytest
 
 from linkwright.stages.show.preview import solids
 from linkwright.stages.show.preview.camera import _MAX_FILLED_SHARE, framing, turned_about_z
+from linkwright.stages.show.preview.drawing import light
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
 from linkwright.stages.show.preview.thinning import merge_details
@@ -86,6 +87,14 @@ def test_cloud_of_a_surface_is_on_it_and_leaves_no_cell_out():
     cells = {tuple(cell) for cell in np.floor(points[inside, :2] / shadows.fine_pixel).astype(int)}
     across = int(2 * 0.48 / shadows.fine_pixel)
     assert len(cells) > 0.98 * across**2
+
+
+def test_cloud_has_a_point_for_each_triangle_at_least(monkeypatch):
+    """Even of a robot with more triangles than the cloud should have points."""
+    monkeypatch.setattr(light, "_MAX_POINTS", 100)
+    points, cell = light._cloud(BALL.astype(np.float32), 0.01)
+    assert len(points) == len(BALL) > 100
+    assert cell > 0.01
 
 
 def test_point_is_lit_where_nothing_is_on_its_way_to_the_lamp():
