@@ -71,8 +71,10 @@ def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
 
 
 def excluded_by_source(robot: Robot) -> set[frozenset[str]]:
-    """Returns the pairs of links that the excludes of an MJCF source name."""
-    return {frozenset(name for _, name in exclude.named()) for exclude in _contacts(robot, "exclude")}
+    """Returns the pairs of links that the excludes of an MJCF source name. MuJoCo also accepts an exclude of
+    a body with itself, which is no pair."""
+    pairs = {frozenset(name for _, name in exclude.named()) for exclude in _contacts(robot, "exclude")}
+    return {pair for pair in pairs if len(pair) == 2}
 
 
 def _leaves_out_parents(robot: Robot) -> bool:

@@ -11,7 +11,9 @@ import pytest
 
 from linkwright.pipeline.errors import ConfigError
 from linkwright.stages.mesh.contacts import analysis
+from linkwright.stages.mesh.contacts.by_source import excluded_by_source
 from linkwright.stages.mesh.contacts.colliders import Colliders, measures_overlaps
+from linkwright.stages.mesh.contacts.excluded_pairs import excluded_pairs
 from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import MeshError
 from linkwright.stages.robot.model.geometry import Exclude, Shape
@@ -19,6 +21,7 @@ from linkwright.stages.robot.model.poses import turn
 from linkwright.stages.robot.model.robot import Limits, Relation
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import home, saved
+from tests.support import mjcfs
 from tests.support.building import plan_of, write
 from tests.support.exports import compiled, exported
 from tests.support.robots import EVERY, at, joint, loop, robot_with
@@ -362,3 +365,16 @@ def test_pairs_that_are_compared_grow_with_the_links(monkeypatch):
         joints = [joint("revolute", "base", name, place=at(x, 0, 0)) for x, name in enumerate(names)]
         geometry_of(robot_with(joints, shapes={name: (box(1.2, 0.6, 0.6),) for name in names}))
         assert len(compared) == count - 1
+
+
+def test_exclude_of_a_body_with_itself_is_no_pair_of_links(tmp_path):
+    """MuJoCo compiles such an MJCF."""
+    arm = mjcfs.body("arm", '<joint name="j"/><geom size=".1"/>', pos="0 0 .5")
+    text = mjcfs.model(
+        mjcfs.body("base", f'<geom size=".1"/>{arm}'),
+        '<contact><exclude body1="base" body2="base"/><exclude body1="arm" body2="base"/></contact>',
+    )
+    robot = mjcfs.robot_of(mjcfs.written(tmp_path, text))
+    assert excluded_by_source(robot) == {frozenset(("arm", "base"))}
+    pairs = excluded_pairs(robot, ["base", "arm"], plan_of(contact={"self": "auto"}).contact, ())
+    assert pairs >= {("arm", "base")}
