@@ -194,6 +194,9 @@ def _touching_always(
 
 def _key_of_shape(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     """Returns a collider as plain data, without the name of its file."""
+    if shape.ellipsoid is not None:
+        # MuJoCo collides it, and not the mesh in its file.
+        return [shape.link, shape.collider, codec.plain_data(shape.ellipsoid)]
     if shape.file is not None:
         return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
     return [shape.link, shape.collider, codec.plain_data(shape.primitive)]

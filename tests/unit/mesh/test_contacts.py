@@ -18,7 +18,7 @@ from linkwright.stages.robot import codec
 from linkwright.stages.robot.errors import MeshError
 from linkwright.stages.robot.model.geometry import Exclude, Shape
 from linkwright.stages.robot.model.poses import turn
-from linkwright.stages.robot.model.robot import Limits, Relation
+from linkwright.stages.robot.model.robot import Limits, Primitive, Relation
 from linkwright.stages.robot.motion.kinematics import link_poses
 from linkwright.stages.robot.motion.start_pose import home, saved
 from tests.support import mjcfs
@@ -378,3 +378,14 @@ def test_exclude_of_a_body_with_itself_is_no_pair_of_links(tmp_path):
     assert excluded_by_source(robot) == {frozenset(("arm", "base"))}
     pairs = excluded_pairs(robot, ["base", "arm"], plan_of(contact={"self": "auto"}).contact, ())
     assert pairs >= {("arm", "base")}
+
+
+def test_work_is_repeated_where_a_hull_becomes_an_ellipsoid():
+    """Their file is the same, but MuJoCo collides the ellipsoid."""
+    hull = Shape("arm", "collision", "arm.stl", None, 0, 0, 0.0, 0.0)
+    egg = replace(hull, ellipsoid=Primitive("ellipsoid", (0.2, 0.2, 0.1), at(0.3)))
+    hull_key, key, moved_key = (
+        analysis._key_of_shape(shape, {"arm.stl": b""})
+        for shape in (hull, egg, replace(egg, ellipsoid=replace(egg.ellipsoid, link_from_shape=OFF)))
+    )
+    assert hull_key != key != moved_key
