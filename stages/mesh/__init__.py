@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from linkwright.stages.robot.model.geometry import Geometry
     from linkwright.stages.robot.model.robot import Robot
 
-VERSION = 60
+VERSION = 61
 """Version of the stage's output: it is raised whenever the same input gives another output."""
 
 

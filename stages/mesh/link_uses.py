@@ -47,8 +47,12 @@ class LinkUses:
             yield replace(job, parts=tuple(colliding[index] for index in job.parts))
 
     def parts_of(self, job: ColliderJob) -> list[Part]:
-        """Returns the parts of the link for which a job makes a collider."""
-        return [self.parts[index] for index in job.parts]
+        """Returns the parts of the link for which a job makes a collider. A collider that `mesh.colliders`
+        chose is no ellipsoid, whatever its part is."""
+        parts = [self.parts[index] for index in job.parts]
+        if job.choice.entry < 0:
+            return parts
+        return [replace(part, form=replace(part.form, ellipsoid=())) for part in parts]
 
 
 def used_meshes(

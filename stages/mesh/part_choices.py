@@ -124,12 +124,12 @@ def _report_unmatched(globs: Collection[str], where: str, links: Sequence[Link],
 def _with_part_maker(
     choice: Choice, part: Part, has_own_contact: bool, declared: bool, limits: ShapeLimits
 ) -> Choice:
-    """Returns the choice of the maker, adapted to a part. An ellipsoid becomes its hull, with as many
-    vertices as the `limits` allow. A collider that an MJCF source declares (`declared`) becomes its hull, as
-    MuJoCo uses it, unless the configuration asks for another collider. `has_own_contact`: whether the part
-    needs a collider of its own since `geoms` names it."""
+    """Returns the choice of the maker, adapted to a part. An ellipsoid that `mesh.colliders` does not name
+    becomes its hull, with as many vertices as the `limits` allow. A collider that an MJCF source declares
+    (`declared`) becomes its hull, as MuJoCo uses it, unless the configuration asks for another collider.
+    `has_own_contact`: whether the part needs a collider of its own since `geoms` names it."""
     settings = choice.settings
-    if part.form.ellipsoid:
+    if part.form.ellipsoid and choice.entry < 0:
         settings = HullSettings(limits.vertices(_MAX_ELLIPSOID_VERTICES))
     elif declared and isinstance(settings, ContactSettings):
         settings = HullSettings(settings.max_vertices)

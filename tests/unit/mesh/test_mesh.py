@@ -233,6 +233,17 @@ def test_error_of_the_hull_of_an_ellipsoid_is_reported():
     assert len(hull.vertices) <= 32
 
 
+@pytest.mark.parametrize(("maker", "solids"), [("none", []), ("box", ["box"]), ("hull", ["mesh"])])
+def test_ellipsoid_has_the_collider_that_is_chosen_for_it(maker, solids):
+    result, _ = for_targets(colliders={"E": maker})
+    assert not any(shape.ellipsoid for shape in result.shapes)
+    assert solids == [
+        shape.primitive.kind if shape.primitive else "mesh"
+        for shape in result.shapes
+        if shape.link == "tool" and shape.collider == 1
+    ]
+
+
 def test_nothing_is_reported_where_no_target_asks():
     assert for_targets()[1] == for_targets("newton", "mjwarp")[1] == {}
     assert len(for_targets("mjx", max_vertices=32)[1]) == 2
