@@ -40,7 +40,7 @@ ENDED = "ended.json"
 """Files with the reason for a missing picture: refused, by a fault of the robot's files; or ended, by an
 accident, which is not kept in the cache."""
 
-VERSION = 5
+VERSION = 6
 """Must be increased when the same robot gives another picture."""
 
 SCENE = "scene.xml"

@@ -70,9 +70,12 @@ def _with_pixel_details(pieces: list[_Piece]) -> list[_Piece]:
     """Returns the pieces; if they have too many triangles, without details smaller than a pixel."""
     if sum(len(corners) for corners, _ in pieces) <= _MAX_TRIANGLES:
         return pieces
-    bounds = np.array([(corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) for corners, _ in pieces])
+    # A mesh of points alone has no triangles.
+    bounds = np.array(
+        [(corners.min(axis=(0, 1)), corners.max(axis=(0, 1))) for corners, _ in pieces if len(corners)]
+    )
     cell = float(np.ptp(bounds.reshape(-1, 3), axis=0).max()) / _CELLS
-    thinned_pieces = [merge_details(corners, cell) for corners, _ in pieces]
+    thinned_pieces = [merge_details(corners, cell) if len(corners) else corners for corners, _ in pieces]
     return [(corners, np.zeros((len(corners), 3, 2), dtype=np.float32)) for corners in thinned_pieces]
 
 

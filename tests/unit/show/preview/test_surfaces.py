@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from linkwright.stages.show.preview import solids
+from linkwright.stages.show.preview import solids, surface
 from linkwright.stages.show.preview.camera import _MAX_FILLED_SHARE, framing, turned_about_z
 from linkwright.stages.show.preview.drawing import light
 from linkwright.stages.show.preview.drawing.creases import normals_of
 from linkwright.stages.show.preview.drawing.light import key_lamps, shadow_casters, sky_lamps
+from linkwright.stages.show.preview.look import Blob, Geom, Look
 from linkwright.stages.show.preview.thinning import merge_details
 
 SHAPES = {
@@ -70,6 +71,15 @@ def test_thinned_triangles_are_fewer_and_where_they_were():
     assert 20 < len(fewer) < len(BALL) / 3
     assert np.linalg.norm(fewer, axis=2) == pytest.approx(np.ones(fewer.shape[:2]), abs=0.1)
     assert len(merge_details(np.concatenate([BALL, BALL]), 1e-6)) == len(merge_details(BALL, 1e-6))
+
+
+def test_mesh_without_triangles_is_left_out_of_many_triangles(monkeypatch):
+    monkeypatch.setattr(surface, "_MAX_TRIANGLES", 10)
+    place = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0)
+    geoms = Geom("mesh", (), *place, blob=0), Geom("box", (1.0, 1.0, 1.0), *place)
+    drawn = surface.surface_of(Look(geoms, (1.0, 0.0, 0.0), (Blob("corners", b""),)))
+    assert set(drawn.geom) == {1}
+    assert len(drawn.corners) == 12
 
 
 def test_cloud_of_a_surface_is_on_it_and_leaves_no_cell_out():
