@@ -24,8 +24,8 @@ MAX_BYTES = 16 << 20
 DOTENV = ".env"
 """The file in the working folder that may contain API keys and other variables."""
 
-VARIABLE_NAMES = ("HOME", "PWD", "USERPROFILE", "XDG_CACHE_HOME")
-"""The names of variables that every build may read."""
+VARIABLE_NAMES = ("HOME", "PWD", "SOURCE_DATE_EPOCH", "USERPROFILE", "XDG_CACHE_HOME")
+"""The names of variables that every build may read. A USD has the day of SOURCE_DATE_EPOCH."""
 
 VARIABLE_PREFIXES = ("LINKWRIGHT_", "ONSHAPE_")
 """The prefixes of the names of further variables that every build may read."""

@@ -123,7 +123,16 @@ def test_what_is_kept_is_true_until_anything_of_it_changes(here):
 
 
 @pytest.mark.parametrize(
-    "name", ["PLACE", "REACH", "HOME", "LINKWRIGHT_TRUST", "LINKWRIGHT_NEW", "ONSHAPE_SECRET_KEY"]
+    "name",
+    [
+        "PLACE",
+        "REACH",
+        "HOME",
+        "LINKWRIGHT_TRUST",
+        "LINKWRIGHT_NEW",
+        "ONSHAPE_SECRET_KEY",
+        "SOURCE_DATE_EPOCH",
+    ],
 )
 def test_a_variable_that_a_value_names_is_kept_as_a_digest(here, monkeypatch, name):
     with observed.recording("salt") as seen:
