@@ -47,5 +47,7 @@ def robot_json(context: BuildContext) -> bytes:
         "robot": context.files["graph"].digests[ROBOT],
         "formats": context.plan.export.identity(),
         "sensors": {name: keys.identity() for name, keys in context.plan.sensors.items()},
+        # What an MJCF has beside the robot depends on it.
+        "scene": context.plan.scene.identity(),
     }
     return memo("description", key, make)

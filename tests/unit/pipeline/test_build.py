@@ -9,10 +9,11 @@ from hashlib import sha256
 import pytest
 import yaml
 
+from linkwright.pipeline.config.compose import compose_plan
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
 from linkwright.pipeline.output import manifest
-from linkwright.pipeline.run.build import build
+from linkwright.pipeline.run.build import build, build_files
 from linkwright.pipeline.stages.context import FILES, NOTES, notes
 from linkwright.pipeline.stages.stage import STAGES
 from linkwright.pipeline.terminal.progress import Lines
@@ -359,3 +360,17 @@ def test_build_and_its_report_can_be_sent_to_another_process(make):
     assert pickle.loads(pickle.dumps(build)) is build
     report = make(fakes())
     assert pickle.loads(pickle.dumps(report)) == report
+
+
+def test_robot_json_before_the_export_follows_the_keys_of_the_scene(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    body = '<body><joint name="hinge" axis="0 1 0"/><geom size=".1"/></body>'
+    loose_body = '<body name="box" pos="1 0 0"><freejoint/><geom size=".1"/></body>'
+    actuator = '<actuator><motor joint="hinge"/></actuator>'
+    text = f"<mujoco><worldbody>{body}{loose_body}</worldbody>{actuator}</mujoco>"
+    (tmp_path / "arm.xml").write_text(text)
+    command = ["source=mjcf", "source.path=arm.xml", "until=graph", "cache.dir=cache"]
+    for choice, keeps_box in (("keep", True), ("drop", False)):
+        plan = compose_plan([*command, f"scene.surroundings={choice}"]).plan
+        robot = build_files(plan, in_memory=True).files["robot.json"]
+        assert (b'"box"' in robot) == keeps_box
