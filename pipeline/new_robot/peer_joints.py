@@ -56,7 +56,7 @@ def converted_joints(
             if name in _JOINT_KEYS and value is not None
         }
         if dynamics:
-            keys["joints"].setdefault(our_glob, {}).update(dynamics)
+            _add_dynamics(keys["joints"], our_glob, [row.name for row in matches], dynamics)
         for row in matches:
             _add_limits(keys["joints"], dofs[row.name], values.get("limits"))
             _add_actuator(keys["actuators"], row, values)
@@ -65,6 +65,24 @@ def converted_joints(
         _note_others(glob, values, note)
     _drop_unsupported(keys["actuators"], note)
     return {section: entries for section, entries in keys.items() if entries}
+
+
+def _add_dynamics(
+    joints: dict[str, Any], glob: str, names: Sequence[str], dynamics: Mapping[str, Any]
+) -> None:
+    """Adds the dynamics of the joints of these `names`, which `glob` matches, so that they win over all
+    earlier entries."""
+    if glob not in joints:
+        joints[glob] = dict(dynamics)
+        return
+    # The entry of this glob keeps its place, and entries between would win over it: each joint gets an own
+    # entry behind them, with the values that it has by now.
+    for name in names:
+        values: dict[str, Any] = {}
+        for earlier_glob, entry in joints.items():
+            values |= entry if fnmatchcase(name, earlier_glob) else {}
+        joints.pop(exact_glob(name), None)
+        joints[exact_glob(name)] = {**values, **dynamics}
 
 
 def _add_limits(joints: dict[str, Any], dof: Dof, limits: Any) -> None:

@@ -101,7 +101,10 @@ def _output_format(conversion: Conversion, value: Any) -> None:
 
 def _ignore_limits(conversion: Conversion, value: Any) -> None:
     if value:
-        conversion.keys.setdefault("joints", {})["*"] = {"limits": [None, None]}
+        joints = conversion.keys.setdefault("joints", {})
+        # Joints with limits of their own, and the entry of all joints, may come before this option.
+        conversion.keys["joints"] = {"*": {"limits": [None, None]}} | joints
+        conversion.keys["joints"]["*"] |= {"limits": [None, None]}
 
 
 def _ignore(conversion: Conversion, value: Any) -> None:

@@ -1,14 +1,17 @@
 """`linkwright new --from config.json`: every option of onshape-to-robot becomes a key, or is named."""
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
 from lxml import etree
 
-from linkwright.pipeline.new_robot.peer_config import read
-from linkwright.pipeline.new_robot.peer_options import CONVERTERS, SOURCE_OPTIONS
+from linkwright.pipeline.new_robot.peer_config import PeerConfig, read
+from linkwright.pipeline.new_robot.peer_options import CONVERTERS, SOURCE_OPTIONS, converted
 from linkwright.pipeline.reference.peers import ONSHAPE_TO_ROBOT
+from linkwright.stages.robot.text.globs import matches_glob
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import called, environment
@@ -181,3 +184,36 @@ def test_the_name_is_that_of_the_other_tool(tmp_path, options, name):
     folder = tmp_path / "arms"
     folder.mkdir()
     assert read(str(configured(folder, **options))).name == name
+
+
+def conversion_of(**options):
+    names = ("left_knee", "right_knee")
+    rows = [SimpleNamespace(name=name, loop=False, is_drivable=True) for name in names]
+    value = SimpleNamespace(to_mate=float)
+    dofs = [SimpleNamespace(name=name, kind="turn", mate_value=value) for name in names]
+    config = PeerConfig("config.json", options, Path())
+    return converted(config, SimpleNamespace(dofs=dofs, loops=()), rows).keys["joints"]
+
+
+def test_a_later_entry_of_a_joint_wins_over_all_before_it():
+    properties = {
+        "default": {"damping": 0.1}, "*knee": {"limits": [-1, 1]}, "left_*": {"max_effort": 5},
+        "left_knee": {"max_effort": 20}, "*": {"damping": 0.3},
+    }  # fmt: skip
+    joints = conversion_of(joint_properties=properties)
+    for name, effort in (("left_knee", 20), ("right_knee", None)):
+        values = {}
+        for glob, entry in joints.items():
+            values |= entry if matches_glob(name, glob) else {}
+        assert values.get("effort") == effort
+        assert (values["damping"], values["limits"]) == (0.3, [-1, 1])
+
+
+@pytest.mark.parametrize("is_last", [True, False])
+def test_ignored_limits_leave_other_properties_of_joints(is_last):
+    options = {"ignore_limits": True}
+    properties = {"joint_properties": {"default": {"damping": 0.1}, "left_knee": {"limits": [-1, 1]}}}
+    joints = conversion_of(**(properties | options if is_last else options | properties))
+    assert joints["*"] == {"limits": [None, None], "damping": 0.1}
+    assert joints["left_knee"] == {"limits": [-1, 1]}
+    assert next(iter(joints)) == "*"
