@@ -1,6 +1,7 @@
 """Writes lines of YAML, and comments."""
 
 import json
+import math
 import re
 import textwrap
 from collections.abc import Mapping
@@ -35,7 +36,18 @@ def flow(value: Any) -> str:
         return "[" + ", ".join(map(flow, value)) + "]"
     if isinstance(value, str):
         return json.dumps(printable(value).replace("${", "\\${"), ensure_ascii=False)
+    if isinstance(value, float):
+        return _number(value)
     return json.dumps(value)
+
+
+def _number(value: float) -> str:
+    """Returns a number that every version of YAML reads as one: 1.1 needs a point before an exponent, and has
+    words of its own for infinite numbers and NaN."""
+    if not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
+    text = json.dumps(value)
+    return text if "." in text else text.replace("e", ".0e")
 
 
 def entry(key: str, value: Any, indent: str = "", *, active: bool = True) -> str:

@@ -1,6 +1,7 @@
 """`linkwright new --from config.json`: every option of onshape-to-robot becomes a key, or is named."""
 
 import json
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +11,7 @@ from lxml import etree
 
 from linkwright.pipeline.new_robot.peer_config import PeerConfig, read
 from linkwright.pipeline.new_robot.peer_options import CONVERTERS, SOURCE_OPTIONS, converted
+from linkwright.pipeline.new_robot.yaml_lines import flow
 from linkwright.pipeline.reference.peers import ONSHAPE_TO_ROBOT
 from linkwright.stages.robot.text.globs import matches_glob
 from tests.fake_onshape.prefixed import prefixed
@@ -217,3 +219,8 @@ def test_ignored_limits_leave_other_properties_of_joints(is_last):
     assert joints["*"] == {"limits": [None, None], "damping": 0.1}
     assert joints["left_knee"] == {"limits": [-1, 1]}
     assert next(iter(joints)) == "*"
+
+
+@pytest.mark.parametrize("number", [1e-05, 1.5e-07, -2e22, 0.25, 3.0, math.inf, -math.inf])
+def test_a_number_is_read_as_a_number(number):
+    assert yaml.safe_load(flow({"armature": number})) == {"armature": number}
