@@ -55,7 +55,9 @@ def read_entries(snapshot: str) -> Entries | None:
     for line in lines:
         key, colon, value = line.partition(": ")
         if colon:
-            entries[section, key] = value
+            # A name in a key may contain a colon: keys that begin alike are one entry with all values.
+            earlier_value = entries.get((section, key))
+            entries[section, key] = value if earlier_value is None else f"{earlier_value}; {value}"
         elif line.startswith("["):
             section = line.strip("[]")
     return entries

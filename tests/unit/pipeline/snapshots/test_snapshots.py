@@ -11,6 +11,7 @@ import yaml
 
 from linkwright.pipeline.cli import run
 from linkwright.pipeline.errors import Offline
+from linkwright.pipeline.snapshots.compare import differences
 from linkwright.pipeline.snapshots.offline import offline
 from linkwright.pipeline.snapshots.text import read_entries
 from tests.fake_onshape.bundle import bundle_bytes
@@ -336,3 +337,14 @@ def test_offline_whoever_reaches_for_the_network_gets_an_error():
                 for end in socket.socketpair():
                     end.close()
         socket.create_connection(("127.0.0.1", port)).close()
+
+
+def test_names_with_a_colon_hide_no_change():
+    old, new = (
+        f"linkwright snapshot 1\n\n[configuration]\nnames.links.Arm: left: {name}\n"
+        "names.links.Arm: right: b\n"
+        for name in ("a", "c")
+    )
+    assert differences(old, new) == [
+        "1 key changed:", "  names.links.Arm: left: a; right: b → left: c; right: b",
+    ]  # fmt: skip
