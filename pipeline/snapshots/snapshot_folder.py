@@ -79,7 +79,7 @@ class SnapshotFolder:
             # Text files that are not snapshots have no entries, and stay.
             entries = read_entries(_text(file) or "")
             subject = None if entries is None else subject_of(entries)
-            if subject is None:
+            if subject is None or self._is_of_broken_experiment(subject):
                 continue
             if subject not in self.subjects or self._has_another_name(subject, file):
                 paths.append(f"{FOLDER}/{file.name}")
@@ -119,6 +119,12 @@ class SnapshotFolder:
             msg = f"several robots have the name {name}, and would share a snapshot and an output folder"
             titles = "; ".join(subject.title for subject in namesakes)
             raise ConfigError(msg, titles, "give each robot its own name: name: ...")
+
+    def _is_of_broken_experiment(self, subject: SnapshotSubject) -> bool:
+        """Tells whether a subject has an experiment that cannot be composed, so that the robots that it
+        belongs to are unknown."""
+        experiment = SnapshotSubject(experiment=subject.experiment)
+        return experiment in self.subjects and experiment not in self._names
 
     def _has_another_name(self, subject: SnapshotSubject, file: Path) -> bool:
         """Tells whether the robot of a subject has another name than its snapshot in `file`; False if the

@@ -348,3 +348,15 @@ def test_names_with_a_colon_hide_no_change():
     assert differences(old, new) == [
         "1 key changed:", "  names.links.Arm: left: a; right: b → left: c; right: b",
     ]  # fmt: skip
+
+
+def test_experiment_that_cannot_be_composed_keeps_its_snapshots(here):
+    experiment(here, heavy="zero: saved\n")
+    assert run(["snapshot"]) == 0
+    snapshots = kept(here)
+    experiment(here, heavy="zero: {saved\n")
+    assert run(["snapshot"]) == 2
+    assert kept(here) == snapshots
+    (here / "experiment" / "heavy.yaml").unlink()
+    assert run(["snapshot"]) == 0
+    assert sorted(kept(here)) == ["pair.txt"]
