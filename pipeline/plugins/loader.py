@@ -6,6 +6,7 @@ It must be in a module that `plugins` names, and only the command line or a trus
 import importlib
 import importlib.util
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -117,33 +118,45 @@ def with_sources(keys: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
 
 
 def sources_digest(plugins: Sequence[str]) -> str | None:
-    """Returns a digest of the source texts of these modules, for packages with all their modules; None if a
-    text is unknown."""
+    """Returns a digest of the source texts of these modules, for packages with all their modules, and of the
+    packages that they are in, whose code runs first; None if the text of one of the modules is unknown."""
     trust(plugins)
     digests = []
     for plugin in plugins:
         files = list(_files(plugin))
         if not files:
             return None
-        digests += [f"{plugin} {file.name} {sha256(file.read_bytes())}" for file in files]
+        words = plugin.split(".")
+        parents = [".".join(words[:depth]) for depth in range(1, len(words))]
+        files += [file for parent in parents for file in _own_text(parent)]
+        digests += [f"{plugin} {name} {sha256(file.read_bytes())}" for name, file in files]
     return sha256("\n".join(digests).encode())
 
 
 def _exists(plugin: str) -> bool:
-    try:
-        return importlib.util.find_spec(plugin) is not None
-    except (ImportError, ValueError):
-        return False
+    return _spec(plugin) is not None
 
 
-def _files(plugin: str) -> Iterator[Path]:
+def _spec(module: str) -> ModuleSpec | None:
     try:
-        spec = importlib.util.find_spec(plugin)
+        return importlib.util.find_spec(module)
     except (ImportError, ValueError):
-        return
-    if spec is None:
-        return
-    for folder in spec.submodule_search_locations or ():
-        yield from sorted(Path(folder).rglob("*.py"))
-    if not spec.submodule_search_locations and spec.origin and spec.origin.endswith(".py"):
-        yield Path(spec.origin)
+        return None
+
+
+def _files(plugin: str) -> Iterator[tuple[str, Path]]:
+    """Yields the files of a module or package, each with its path inside the package."""
+    spec = _spec(plugin)
+    folders = spec.submodule_search_locations if spec is not None else None
+    for folder in folders or ():
+        files = sorted(Path(folder).rglob("*.py"))
+        yield from ((file.relative_to(folder).as_posix(), file) for file in files)
+    if not folders:
+        yield from _own_text(plugin)
+
+
+def _own_text(module: str) -> Iterator[tuple[str, Path]]:
+    """Yields the file with the text of a module itself, with the module's name."""
+    spec = _spec(module)
+    if spec is not None and spec.origin and spec.origin.endswith(".py"):
+        yield module, Path(spec.origin)

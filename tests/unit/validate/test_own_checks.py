@@ -155,6 +155,26 @@ def test_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     assert sources_digest(["time"]) is None
 
 
+def test_packages_around_a_plugin_and_places_of_files_are_kept(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
+    Path("lab_around").mkdir()
+    Path("lab_around/checks.py").write_text("from lab_around import LIMIT\n")
+    Path("lab_around/__init__.py").write_text("LIMIT = 1\n")
+    first = sources_digest(["lab_around.checks"])
+    assert first == sources_digest(["lab_around.checks"])
+    assert first is not None
+    Path("lab_around/__init__.py").write_text("LIMIT = 2\n")
+    assert sources_digest(["lab_around.checks"]) != first
+    for folder in ("lab_places", "lab_places/old", "lab_places/new"):
+        Path(folder).mkdir()
+        Path(folder, "__init__.py").write_text("")
+    Path("lab_places/old/part.py").write_text("def light(compiled): return []\n")
+    first = sources_digest(["lab_places"])
+    Path("lab_places/old/part.py").rename("lab_places/new/part.py")
+    assert sources_digest(["lab_places"]) != first
+
+
 def test_modules_of_the_working_folder_are_found_if_trusted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
