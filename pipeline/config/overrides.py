@@ -61,6 +61,13 @@ class Override:
         return [f"{sign}={value}" for value in self.values] or [f"{sign}=null"]
 
     @property
+    def names_below(self) -> list[str]:
+        """The names below the first part of a key that Hydra cannot write: of `joints.*.damping`, whose value
+        for Hydra is `{*:{damping:1}}`, `*` and `damping`; [] if Hydra has the key as it is."""
+        is_nested = self.hydra.partition("=")[0].lstrip("+~") != self.key
+        return _segments(self.key)[1:] if is_nested else []
+
+    @property
     def first(self) -> str:
         """The override for Hydra with only the first value."""
         return self.texts[0] if self.swept else self.hydra

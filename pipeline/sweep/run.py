@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.pipeline.config import grammar
 from linkwright.pipeline.config.files.trust import SweepSettings
 from linkwright.pipeline.config.hydra.node import JobIdentity
 from linkwright.pipeline.config.overrides import Override
@@ -257,10 +258,9 @@ def _data(overrides: Iterable[Override], job: Sequence[str], composer: "Composer
         value = composer.reading.data(text)
         if override.key == "robot" and "/" in str(value):
             value = Path(value).name
-        if sign.lstrip("+~") != override.key:
-            # The key `joints.*.damping` was nested into `joints`.
-            while isinstance(value, Mapping) and len(value) == 1:
-                value = next(iter(value.values()))
+        # The key `joints.*.damping` was nested into `joints`.
+        for _ in override.names_below:
+            value = next(iter(value.values()))
         data[override.key if sign[:1] != "~" else f"~{override.key}"] = finite(value)
     return data
 
@@ -279,9 +279,9 @@ def _inner(value: str, override: Override) -> str:
     """Returns the inner value of a nested override, `{*:{damping:1}}` → `1`; for a robot's path its name."""
     if override.key == "robot" and "/" in value:
         return Path(value.strip("'")).name
-    if override.hydra.partition("=")[0].lstrip("+") == override.key:
-        return value
-    return value.rstrip("}").rpartition(":")[2]
+    for name in override.names_below:
+        value = value.removeprefix(f"{{{grammar.name(name)}:").removesuffix("}")
+    return value
 
 
 def _digest(overrides: Iterable[str]) -> str:

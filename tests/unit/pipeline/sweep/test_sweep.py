@@ -9,6 +9,7 @@ from urllib.parse import unquote
 import pytest
 
 from linkwright.pipeline.cli import run
+from linkwright.pipeline.config.compose import session
 from linkwright.pipeline.config.plan import Plan
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.output.folder import Output
@@ -16,7 +17,7 @@ from linkwright.pipeline.output.manifest import written_files
 from linkwright.pipeline.reference.exit_status import MEANINGS
 from linkwright.pipeline.show.live import ENGINE_FILE
 from linkwright.pipeline.sweep.folder import prepare, write_summaries
-from linkwright.pipeline.sweep.run import Job
+from linkwright.pipeline.sweep.run import Job, compose_sweep
 from linkwright.stages.robot.check import Check
 from linkwright.stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError
 from tests.support.cases import mostly_slow
@@ -354,3 +355,13 @@ def test_page_of_a_sweep_shows_its_jobs_and_no_secret(monkeypatch):
     shutil.rmtree(Path("there", folder))
     assert run(SWEEP, build) == 1
     assert Path("there/summary.html").read_bytes() == page
+
+
+def test_swept_mappings_are_told_apart(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    swept = ["joints.*={damping:1},{friction:1}", "mesh.tolerance=1e-3"]
+    with session() as composer:
+        request = composer.with_params(*composer.read(swept, multirun=True))
+        jobs = compose_sweep(composer, request, lambda plan: []).jobs
+    assert [job.label for job in jobs] == ["joints.*={damping:1}", "joints.*={friction:1}"]
+    assert [job.overrides["joints.*"] for job in jobs] == [{"damping": 1}, {"friction": 1}]
