@@ -24,6 +24,9 @@ VERSION = 1
 
 KEY = "objective"
 
+_EXPORT = next(stage for stage in STAGES if stage.name == "export")
+"""The stage whose code and libraries make the figures."""
+
 CHECKS_FIGURE = "checks_failed"
 """The figure that needs the whole build."""
 
@@ -79,10 +82,11 @@ def _figures(
         "robot": context.files["graph"].digests[ROBOT],
         "described": sha256(files["robot.json"]),
         "keys": section(plan, ExportSections),
+        # torque_margin is measured on exported files.
+        "export": _EXPORT.version,
         "payload": dict(plan.validate.payload),
     }
-    export = next(stage for stage in STAGES if stage.name == "export")
-    memo = context.cache.memo(KEY, VERSION, libraries(export))
+    memo = context.cache.memo(KEY, VERSION, libraries(_EXPORT))
     computed = json.loads(memo("figures", key, lambda: _compute(context, names, files["robot.json"])))
     return {
         name: check_figures[name] if name in check_figures else computed[name]
@@ -101,7 +105,9 @@ def _user_numbers(context: BuildContext, objective_section: ObjectiveSection) ->
         "robot": context.files["graph"].digests[ROBOT],
         "plugins": sources,
     }
-    return dict(json.loads(context.cache.memo(KEY, VERSION, {})("own", key, lambda: _compute(context))))
+    # The function gets the robot of this version of Linkwright.
+    memo = context.cache.memo(KEY, VERSION, libraries(_EXPORT))
+    return dict(json.loads(memo("own", key, lambda: _compute(context))))
 
 
 def _compute(context: BuildContext, names: Sequence[str] = (), robot_json: bytes = b"") -> bytes:

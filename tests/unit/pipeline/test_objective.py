@@ -4,6 +4,7 @@ import contextlib
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from hypothesis import strategies as st
 
 from linkwright.pipeline.config.objective_section import ObjectiveSection
 from linkwright.pipeline.errors import ConfigError
+from linkwright.pipeline.objective import value
 from linkwright.pipeline.objective.figures import number_at
+from linkwright.pipeline.stages.context import ROBOT
 from linkwright.stages.robot.check import Check, Table
 from linkwright.stages.validate.torque_value import torque_value
 from tests.support.command import called
@@ -174,3 +177,19 @@ def test_lists_go_by_name_and_by_place():
     with pytest.raises(ConfigError, match=r"no links\.d"):
         number_at(tree, "links.d.mass")
     assert np.isfinite(number_at(tree, "links.0.mass"))
+
+
+def test_results_of_a_function_are_those_of_this_version(monkeypatch):
+    libraries_of_memos = []
+
+    def memo(stage, version, libraries):
+        libraries_of_memos.append(libraries)
+        return lambda kind, key, make: b'{"light": 1.0}'
+
+    monkeypatch.setattr(value.loader, "sources_digest", lambda plugins: "text")
+    plan = SimpleNamespace(plugins=["my_objectives"])
+    files = {"graph": SimpleNamespace(digests={ROBOT: "digest"})}
+    context = SimpleNamespace(plan=plan, cache=SimpleNamespace(memo=memo), files=files)
+    section = SimpleNamespace(target="my_objectives.light", args={})
+    assert value._user_numbers(context, section) == {"light": 1.0}
+    assert {"linkwright", "numpy"} <= libraries_of_memos[0].keys()
