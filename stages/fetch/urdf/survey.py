@@ -24,7 +24,7 @@ from linkwright.stages.robot.system.install import installed
 if TYPE_CHECKING:
     from linkwright.stages.fetch.urdf.section import UrdfSourceSection
 
-READER = 3
+READER = 4
 """Version of the reader, to be raised with every change of the result for the same files."""
 
 LARGEST_MESH = 1 << 29

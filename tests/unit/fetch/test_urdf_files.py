@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from hashlib import sha256
@@ -136,6 +137,15 @@ def test_a_packed_bundle_is_read_back_unless_it_is_harmed(tmp_path):
 def test_text_in_any_encoding_is_read(tmp_path, encode):
     put(tmp_path, **{"r.urdf": encode(urdf("Größe.stl").decode()), "Größe.stl": block()})
     assert volume(only_body(tmp_path / "r.urdf")) == pytest.approx(0.008)
+
+
+@pytest.mark.parametrize("unit", ["nan", "inf", "0", "-1"])
+def test_a_dae_with_an_impossible_unit_is_damaged(tmp_path, unit):
+    text = re.sub(r"<unit[^>]*/>", "", block("dae").decode())
+    data = text.replace("<asset>", f'<asset><unit name="u" meter="{unit}"/>', 1).encode()
+    put(tmp_path, **{"r.urdf": urdf("m.dae"), "m.dae": data})
+    (problem,) = refused(tmp_path / "r.urdf").problems
+    assert (problem.code, "unit" in problem.message) == ("E-MESH-READ", True)
 
 
 def test_an_unknown_encoding_and_a_long_package_are_one_message(tmp_path):

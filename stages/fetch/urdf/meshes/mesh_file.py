@@ -271,9 +271,12 @@ def _colour(shade: npt.NDArray[np.int64]) -> Colour:
 
 
 def _unit(scene: Any, kind: str) -> float:
-    """Returns the length of a DAE's unit [m]."""
+    """Returns the length of a DAE's unit [m]. Raises Damaged if it is not a positive length."""
     if kind != "dae" or not scene.geometry:
         return 1.0
     units = str(next(iter(scene.geometry.values())).metadata.get("units", "meters"))
     factor = units.partition(" * ")[0] if " * " in units else "1"
+    if not 0.0 < float(factor) < np.inf:
+        msg = f"its unit has a length of {float(factor):g} m"
+        raise Damaged(msg)
     return float(factor)
