@@ -37,7 +37,7 @@ def runs(root: Path) -> list[dict[str, Any]]:
             # Without them, the next summary would lose them.
             raise
         return []
-    except ValueError:
+    except (ValueError, RecursionError):
         return []
     if not isinstance(content, dict):
         return []

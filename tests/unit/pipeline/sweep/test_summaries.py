@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from linkwright.pipeline.sweep import summary_json
 from linkwright.pipeline.sweep.outcome import Outcome
 from linkwright.pipeline.sweep.summary_csv import csv_content
 from linkwright.pipeline.sweep.terminal_table import MAX_ROWS, table
@@ -149,3 +150,8 @@ def test_a_job_that_runs_has_a_row_without_a_status():
     assert csv_content(jobs).decode().splitlines()[2] == "1,root=b,running,,running,job 1,b,,,,,,,,"
     line = table([outcome(0, None, "running")], ROOT).splitlines()[1]
     assert re.split(r"\s{2,}", line)[:3] == ["0", "running", "vars.upper_arm_length=0.0 mesh=hull"]
+
+
+def test_summary_that_is_nested_too_deeply_has_no_runs(tmp_path):
+    (tmp_path / "summary.json").write_text("[" * 100_000)
+    assert summary_json.runs(tmp_path) == []
