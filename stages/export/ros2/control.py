@@ -16,7 +16,7 @@ from linkwright.stages.robot.model.poses import motion, turns_from_rotation
 from linkwright.stages.robot.model.robot import Robot, Sensor
 from linkwright.stages.robot.model.sensing import Sensing
 from linkwright.stages.robot.motion.start_pose import home
-from linkwright.stages.robot.text.names import free_name
+from linkwright.stages.robot.text.names import common_stem, free_name
 
 COMMANDS: Mapping[str, str] = {
     "position": "position",
@@ -280,7 +280,7 @@ def _sensors(
             left_out += [sensor.name for sensor in measured]
         else:
             names_and_places.append(
-                (stem_of_names([sensor.name for sensor in measured]) or f"{place}_{kind}", kind, place)
+                (common_stem([sensor.name for sensor in measured]) or f"{place}_{kind}", kind, place)
             )
     used_names = set(joints)
     names = legal_names([name for name, _, _ in names_and_places], "sensor")
@@ -304,11 +304,3 @@ def _frames(written: Written, description: Description) -> Iterator[tuple[str, s
     link_by_name |= written.urdf_names.frames
     # The user's own XML may have taken a link away.
     yield from ((name, package_links[link]) for name, link in link_by_name.items() if link in package_links)
-
-
-def stem_of_names(names: Sequence[str]) -> str:
-    """Returns a single name itself; of several, the part before the last "_" that all share, or ""."""
-    if len(names) == 1:
-        return names[0]
-    stems = {name.rpartition("_")[0] for name in names}
-    return stems.pop() if len(stems) == 1 else ""

@@ -12,7 +12,7 @@ from linkwright.stages.formats.xml import Element, element
 from linkwright.stages.robot.model.poses import from_parts
 from linkwright.stages.robot.model.robot import Array, Robot
 from linkwright.stages.robot.model.sensing import Sensing, Sensor, SensorCamera
-from linkwright.stages.robot.text.names import free_name
+from linkwright.stages.robot.text.names import common_stem, free_name
 
 SDF_TYPES: Mapping[str, str] = {
     "gyro": "imu",
@@ -121,7 +121,7 @@ def sensors_of(
         if type_ == "gpu_lidar":
             pose = pose @ from_parts(_ALONG_Z, np.zeros(3))
         unique_name = free_name(
-            _common_stem([sensor.name for sensor in measured]) or f"{name}_{type_}", used_names
+            common_stem([sensor.name for sensor in measured]) or f"{name}_{type_}", used_names
         )
         used_names.add(unique_name)
         mounted.append(SdfSensor(unique_name, type_, link, pose, tuple(measured)))
@@ -183,14 +183,6 @@ def _places(robot: Robot, sensing: Sensing) -> _Places:
     places |= {(False, link.name): (link.name, np.eye(4)) for link in robot.links}
     places |= {(False, frame.name): (frame.link, frame.link_from_frame) for frame in robot.frames}
     return places | {(False, site.name): (site.link, site.link_from_site) for site in sensing.sites}
-
-
-def _common_stem(names: Sequence[str]) -> str:
-    """Returns a single name itself; of several, the part before the last "_" that all share, or ""."""
-    if len(names) == 1:
-        return names[0]
-    stems = {name.rpartition("_")[0] for name in names}
-    return stems.pop() if len(stems) == 1 else ""
 
 
 def _noise_of_axes(parent: Element, path: Sequence[str], deviation: float) -> None:

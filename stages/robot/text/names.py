@@ -103,3 +103,11 @@ def free_name(name: str, taken_names: set[str]) -> str:
         middle = (low + high) // 2
         low, high = (middle, high) if f"{name}_{middle}" in taken_names else (low, middle)
     return f"{name}_{high}"
+
+
+def common_stem(names: Sequence[str]) -> str:
+    """Returns a single name itself; of several, the part before the last "_" that all share, or ""."""
+    if len(names) == 1:
+        return names[0]
+    stems = {name.rpartition("_")[0] for name in names}
+    return stems.pop() if len(stems) == 1 else ""
