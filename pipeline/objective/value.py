@@ -12,7 +12,7 @@ from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.errors import ConfigError
 from linkwright.pipeline.plugins import loader
 from linkwright.pipeline.stages.context import ROBOT, BuildContext
-from linkwright.pipeline.stages.stage import STAGES, libraries
+from linkwright.pipeline.stages.stage import EXPORT, libraries
 from linkwright.stages.export.section import ExportSections
 from linkwright.stages.validate.torque_value import torque_value
 
@@ -23,9 +23,6 @@ VERSION = 1
 """Version of the figures, a part of their cache keys: raise it when a figure of the same robot changes."""
 
 KEY = "objective"
-
-_EXPORT = next(stage for stage in STAGES if stage.name == "export")
-"""The stage whose code and libraries make the figures."""
 
 CHECKS_FIGURE = "checks_failed"
 """The figure that needs the whole build."""
@@ -83,10 +80,10 @@ def _figures(
         "described": sha256(files["robot.json"]),
         "keys": section(plan, ExportSections),
         # torque_margin is measured on exported files.
-        "export": _EXPORT.version,
+        "export": EXPORT.version,
         "payload": dict(plan.validate.payload),
     }
-    memo = context.cache.memo(KEY, VERSION, libraries(_EXPORT))
+    memo = context.cache.memo(KEY, VERSION, libraries(EXPORT))
     computed = json.loads(memo("figures", key, lambda: _compute(context, names, files["robot.json"])))
     return {
         name: check_figures[name] if name in check_figures else computed[name]
@@ -106,7 +103,7 @@ def _user_numbers(context: BuildContext, objective_section: ObjectiveSection) ->
         "plugins": sources,
     }
     # The function gets the robot of this version of Linkwright.
-    memo = context.cache.memo(KEY, VERSION, libraries(_EXPORT))
+    memo = context.cache.memo(KEY, VERSION, libraries(EXPORT))
     return dict(json.loads(memo("own", key, lambda: _compute(context))))
 
 

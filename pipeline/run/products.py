@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from linkwright.pipeline.digest import sha256
 from linkwright.pipeline.stages.context import FILES, ROBOT, BuildContext
-from linkwright.pipeline.stages.stage import STAGES, libraries
+from linkwright.pipeline.stages.stage import EXPORT, libraries
 from linkwright.stages.export import VERSION
 from linkwright.stages.show.graph_view.views import PICTURE
 
@@ -41,8 +41,7 @@ def robot_json(context: BuildContext) -> bytes:
 
         return description(context.robot, context.plan)
 
-    export = next(stage for stage in STAGES if stage.name == "export")
-    memo = context.cache.memo("export", VERSION, libraries(export))
+    memo = context.cache.memo("export", VERSION, libraries(EXPORT))
     key = {
         "robot": context.files["graph"].digests[ROBOT],
         "formats": context.plan.export.identity(),

@@ -258,7 +258,9 @@ class ValidateStage(StageBase):
         }
 
 
-STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())
+EXPORT: Stage = ExportStage()
+
+STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), EXPORT, ValidateStage())
 
 
 def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:
