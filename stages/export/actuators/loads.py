@@ -123,17 +123,16 @@ def loads(
     driven: Sequence[str],
     up: Array,
     bounds: LoadBounds,
-    compensated: Mapping[str, float],
+    lightened: Robot,
 ) -> dict[str, Load]:
     """Returns the load of each driven dof over the poses `values`, the first of which is `home`. `up` (3,)
     [m/s²]: opposite to gravity, in the root link's axes; `bounds`: the limits for dofs of loops;
-    `compensated`: link → the share of its weight that gravity compensation holds, which reduces the forces
-    and not the inertias.
+    `lightened`: the robot without the weight that gravity compensation holds, which reduces the forces and
+    not the inertias.
 
     With a free base, half of the feet carry the whole robot. The loads of the dofs between a foot and the
     root include this case.
     """
-    lightened = without_compensated_weight(robot, compensated)
     forces = holding_forces(lightened, values, up)
     rates = couplings.moved_by(driven)
     singular = couplings.near_singular(driven)
