@@ -86,7 +86,7 @@ class _MergedEntries:
     motor_named: bool = False
 
     idle_motor_glob: str = ""
-    """The glob of the last entry that gives a motor and no type while the type is none."""
+    """The glob of the last entry that gives a motor but no type, after an entry of the type none; else ""."""
 
     last_glob: str = ""
     """The glob of the last entry that matches; "" before the first."""

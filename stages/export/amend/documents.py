@@ -62,7 +62,7 @@ class Documents:
             match = document.root.find(tag)
             match = element(document.root, tag) if match is None else match
         else:
-            # A default class of an MJCF has elements with the tags of those that it applies to.
+            # In a default class of an MJCF, an element has the tag of the elements that it sets defaults for.
             candidates = document.root.iter(tag)
             match = next(
                 (
